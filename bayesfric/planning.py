@@ -212,7 +212,7 @@ def power_of_model(
         Candidates beside which coefficients are known.
     """
     psi = np.log([noise.usual for noise in model.noise]) if psi is None else psi
-    information = model.said_of(psi, range(len(model.candidates)))
+    information = model.information_on(psi, range(len(model.candidates)))
     priors = [candidate.effect.amplitude.prior for candidate in model.candidates]
     _, sd = model.prior(priors)
     precision = information.precision  # by the data, numbers counted in their scales

@@ -78,7 +78,9 @@ def test_an_unknown_force_of_which_data_say_nothing_keeps_its_prior():
     at = At(nothing, 0.0, None, None, nothing, np.zeros((0, 0)), at_mode=True)
     weighed = {NONE: Weighed((), -3.0, None, Acting(), at)}
     priors = Analysis().diagnosis.hypotheses
-    search = Search(weighed, {}, None, Classes((), (), {}), priors, np.eye(1), 0.0, unheard=True)
+    search = Search(
+        weighed, {}, None, Classes((), (), {}), priors, np.eye(1), 0.0, nothing_varied=True
+    )
     assert printed(search.probabilities()) == pytest.approx({"none": 5 / 6, "unknown": 1 / 6})
 
 

@@ -1,6 +1,6 @@
-"""The paper's claims, one a file: each compared with rivals, and judged by stated rules.
+"""The paper's claims, one in each file: comparison with rivals, and verdict by stated rules.
 
-A file of this folder that holds a ``CLAIM`` is a claim; there is no list to add it to.
+Every file of this folder that defines ``CLAIM`` is a claim; there is no list of them.
 """
 
 from bayesfric.claims.base import Claim

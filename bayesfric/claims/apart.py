@@ -1,4 +1,4 @@
-"""Two rigs of which the second's friction differs from the first's by a share of it."""
+"""The model of two rigs whose friction differs by an unknown relative amount."""
 
 from collections.abc import Mapping
 
@@ -14,19 +14,18 @@ MEAN = "rig_difference"
 
 
 class ApartModel(Model):
-    """The posterior of a friction law and of how far a second rig's friction differs from it.
+    """The posterior of a friction law and of the relative difference of a second rig's friction.
 
     The coefficients of a size on the second rig are 1 + d times those on the first, with
-    d = mean + own, the mean over sizes and what is a size's own. Both are unknown, so that
-    sizes are pooled as far as the priors say that they are alike: three sizes could not
-    tell their spread.
+    d = mean + own, the mean over sizes and a deviation of each size. Both are unknown, so sizes
+    are pooled as their priors imply; three sizes cannot determine their spread.
 
     Parameters
     ----------
     first, second : RigLikelihood
-        The second has no size that the first has not.
+        Likelihoods; the first rig has all sizes of the second.
     priors : Priors
-        Those of the mean difference and of a size's own.
+        Contains the priors of the mean difference and of a size's deviation.
     """
 
     def __init__(self, first: RigLikelihood, second: RigLikelihood, priors: Priors) -> None:
@@ -39,11 +38,11 @@ class ApartModel(Model):
         self._start = np.append(Model((first, second)).start(), np.zeros(len(apart)))
 
     def start(self) -> Array:
-        """Return a sampling-space point to climb from: rigs that do not differ, shape (D,)."""
+        """Return a starting point in the sampling space without a difference, shape (D,)."""
         return self._start
 
     def log_likelihood(self, theta: Array) -> Array:
-        """Return the log density of the raw data of both, shape (W,)."""
+        """Return the log density of the raw data of both rigs, shape (W,)."""
         named = self.by_name(theta)
         own = {
             f"{name}[{size}]": (1 + share) * named[f"{name}[{size}]"]
@@ -55,5 +54,5 @@ class ApartModel(Model):
 
 
 def differences(theta: Mapping[str, Array], sizes: tuple[str, ...]) -> dict[str, Array]:
-    """Return the second rig's friction over the first's, less 1, of each size."""
+    """Return the relative difference of the second rig's friction for each size."""
     return {size: theta[MEAN] + theta[f"{MEAN}[{size}]"] for size in sizes}

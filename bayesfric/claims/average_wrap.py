@@ -19,7 +19,7 @@ def _loaded(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _constant(p: Mapping[str, Array], state: State) -> Array:
-    # Pulleys whose friction is bent in their own angle add up to a term in the variance.
+    # If friction is curved in the individual angle, its sum contains their variance.
     variance = (np.asarray(state.wrap_spread_deg) / SPAN_DEG) ** 2
     scale = np.asarray(state.n_pulleys) * np.asarray(state.pulley_friction_n)
     return np.asarray(p["of_spread"] * scale * variance)

@@ -1,4 +1,4 @@
-"""What a claim is, what it is judged on, and what is found."""
+"""A claim, the data that it is judged on, and the finding."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -28,7 +28,7 @@ COLUMNS = ("n_pulleys", "wrap_angle_deg", "tension_n", "velocity_m_s")
 
 
 def verdict_by(rules: ClaimRules, probability: float) -> Verdict:
-    """Return the verdict on a claim that holds with a probability."""
+    """Return the verdict on a claim, given the probability that it holds."""
     if probability >= rules.support_probability:
         return "supported"
     return "refuted" if probability <= rules.refute_probability else "undecided"
@@ -36,24 +36,24 @@ def verdict_by(rules: ClaimRules, probability: float) -> Verdict:
 
 @dataclass(frozen=True)
 class Finding:
-    """What a recording says of a claim.
+    """The result of a claim on a recording.
 
     Parameters
     ----------
     verdict : {"supported", "refuted", "undecided", "not-testable"}
-        By the rules of the analysis.
+        Verdict by the rules of the analysis.
     reason : str
-        The verdict in a sentence, with its numbers.
+        A sentence on the verdict, with its numbers.
     figures : mapping
-        Numbers that the verdict rests on, name to number, text or bool.
+        Figures behind the verdict by name: numbers, texts or booleans.
     log10_bayes_factor, log10_bayes_factor_se : float or None
-        In favour of the claim, against the best of its rivals.
+        Bayes factor in favour of the claim against its best rival.
     elpd_difference, elpd_difference_se : float or None
-        Positive where the claim predicts assemblies better than its best rival.
+        Positive if the claim predicts assemblies better than its best rival.
     why : str
         Why a number above is missing.
     by_pulley : mapping of str to (float or None, float or None, str)
-        Bayes factor, its error, and why there is none, for each size alone.
+        Bayes factor from each size alone, its error, and why there is none.
     curve : mapping of str to ndarray
         ``log10_bayes_factor`` and ``verdict`` over the ``width`` of the rivals' priors;
         empty without.
@@ -80,36 +80,36 @@ class Claim:
     name : str
         Its id.
     place : int
-        In the order of the report.
+        Position in the order of the report.
     statement : str
-        What is claimed.
+        The claim in words.
     paper : str
-        What the paper states, and where.
+        The paper's statement, and its place there.
     judge : callable
-        (claim, case) to a finding.
+        Function of (claim, case) that returns a finding.
     regime : {"accelerated", "steady"} or None
-        How the trials that it is about move; it takes the first rig whose trials do.
-        None where it needs no data.
+        Motion of the trials that the claim is about; the first rig with such trials is used.
+        None if the claim needs no data.
     instead : {"accelerated", "steady"} or None
-        How trials move that it is judged on where none move as `regime` says; all of
-        :data:`COLUMNS` must have been recorded of them.
+        Motion of the trials that are used instead if there are none of `regime`; all of
+        :data:`COLUMNS` must be recorded for them.
     beside : {"accelerated", "steady"} or None
-        How the trials of a second rig move, with which the first is studied together.
+        Motion of the trials of a second rig that is studied together with the first.
     effects : tuple of Effect
-        Of the rivals, where they are none of :func:`bayesfric.effects.all_effects`: other forms
-        of the law, which a diagnosis does not look for.
+        Effects of the rivals that are not in :func:`bayesfric.effects.all_effects`: other forms
+        of the law, which a diagnosis does not examine.
     rivals : tuple of LawWithEffects
-        What it is compared with; of the paper's law where it is named, else as it is.
+        Rival hypotheses. In a rival with the paper's law, this is replaced by the claimed law.
     levels : mapping of str to int
-        How many different values a column of the trials must have for the rivals to
-        differ from the claim; ``tension`` counts how the cable is loaded.
+        Least number of different values of a column of the trials, so that the rivals differ
+        from the claim; ``tension`` counts the loads of the cable.
     speeds : int
-        How many speeds, whichever way, trials at constant speed must have.
+        Least number of different absolute speeds of trials at constant speed.
     by_size : bool
         Whether each pulley size is also compared alone.
     about_these_data : bool
-        Whether these data could speak for or against it; else it rests on the paper's
-        numbers or on priors.
+        Whether the verdict depends on these data; if not, it rests on the paper's numbers or
+        on priors.
     """
 
     name: str
@@ -128,12 +128,12 @@ class Claim:
     about_these_data: bool = True
 
     def subject(self, entered: Entered) -> str:
-        """Return the name of the data that the claim is judged on, where it is testable."""
+        """Return the name of the data that the claim is judged on, if it is testable."""
         needed = (self.moving(entered), self.beside)
         return "+".join(str(entered.first(regime)) for regime in needed if regime is not None)
 
     def moving(self, entered: Entered) -> Regime | None:
-        """Return how the trials move on which the claim is judged with these data."""
+        """Return the motion of the trials on which the claim is judged with these data."""
         for regime in (self.regime, self.instead):
             if regime is not None and entered.first(regime) is not None:
                 return regime
@@ -147,7 +147,7 @@ class Claim:
         )
 
     def untestable(self, entered: Entered) -> str:
-        """Return what the data lack to compare the claim with its rivals, or nothing."""
+        """Return what the data lack to compare the claim with its rivals; empty if nothing."""
         if not entered.has_pulleys:
             return "The claim is about cables over pulleys, and these data have none."
         for regime in (self.moving(entered), self.beside):
@@ -175,14 +175,14 @@ class Claim:
         return ""
 
     def elsewhere(self, entered: Entered) -> str:
-        """Return where it is judged, a sentence, if not on the rig that it is about; or nothing."""
+        """Return a sentence if the claim is judged on another rig than its own; else nothing."""
         if self.moving(entered) == self.regime or self.untestable(entered):
             return ""
         words = entered.trials(self.subject(entered)).rig.words
         return f" Judged on {words.trials} of the {words.rig}, at constant speed."
 
     def tasks(self, entered: Entered) -> list[Task]:
-        """Return the studies that these data allow and the claim needs."""
+        """Return the studies that the claim needs and these data allow."""
         if self.regime is None or self.untestable(entered):
             return []
         subject = self.subject(entered)
@@ -198,23 +198,22 @@ class Claim:
 
 @dataclass(frozen=True)
 class Case:
-    """What claims are judged on.
+    """The data and studies that claims are judged on.
 
     Parameters
     ----------
     recording : Recording
-        As read.
+        The recording as read.
     analysis : Analysis
         Rules, priors and seed.
     entered : Entered
-        The data.
+        The data by rig and size.
     studied : mapping of Task to Studied
-        Of every task of every claim.
+        The result of every task of every claim.
     effects : mapping of str to Effect
-        Of all rivals by name, with the priors of the analysis.
+        Effects of all rivals by name, with the priors of the analysis.
     posterior : mapping of str to mapping of str to ndarray
-        Draws of the law by rig and parameter, where a fit of that rig alone has them
-        already.
+        Draws of the law by rig and parameter, from existing fits of single rigs.
     """
 
     recording: Recording
@@ -225,11 +224,11 @@ class Case:
     posterior: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
 
     def draws(self, rig: str) -> Mapping[str, Array]:
-        """Return draws of the law by parameter, given one rig's data; empty without any."""
+        """Return draws of the law by parameter given one rig's data; empty if there are none."""
         return self.posterior.get(rig) or self.studied[Task(rig, self.entered.claimed)].theta
 
     def undrawn(self, rig: str) -> Finding | None:
-        """Return the finding where the law has no draws given one rig's data."""
+        """Return an undecided finding if the law has no draws given one rig's data; else None."""
         if self.draws(rig):
             return None
         why = self.studied[Task(rig, self.entered.claimed)].why

@@ -1,4 +1,4 @@
-"""A recording to verdicts on every claim, and to what is stored of them."""
+"""Judges every claim on a recording, and stores the verdicts."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -56,9 +56,9 @@ class Checked:
     Parameters
     ----------
     summary : ClaimsFile
-        What ``claims.json`` says.
+        Content of ``claims.json``.
     curves : DataTree
-        What ``claims.nc`` holds: ``curves``, the log10 Bayes factor and the verdict over
+        Content of ``claims.nc``: ``curves``, the log10 Bayes factor and the verdict over
         the width of the rivals' priors; and ``models``, see
         :func:`bayesfric.claims.kept_draws.models_kept`.
     seconds : float
@@ -115,33 +115,33 @@ def check_claims(
     Parameters
     ----------
     recording : Recording
-        Of any rig.
+        A recording of any rig.
     analysis : Analysis or None
         Priors, rules and seed; None for the defaults.
     posterior : mapping of str to mapping of str to ndarray of shape (S,), or None
-        By rig, draws given it alone, from a fit of this recording and analysis; others are drawn.
+        By rig, draws given this rig alone, from a fit of this recording and analysis.
     executor : Executor or None
-        Where hypotheses are studied; None is here, one by one.
+        Studies hypotheses in parallel; None studies one after another.
     only : sequence of str or None
         Ids of the claims to judge; None is all.
     rigs : sequence of str or None
-        Whose data enter; None is all that there are.
+        Rigs whose data are used; None is all.
     baseline : str
-        The law that they are about, a name in :data:`bayesfric.physics.laws.BASELINES`.
+        The law that the claims are about, a name in :data:`bayesfric.physics.laws.BASELINES`.
     progress : callable or None
-        Called with the hypotheses studied, and about how many there are.
+        Called with the number of studied hypotheses, and the approximate total.
     checkpoint : Path or None
-        Folder that keeps what is studied, to go on from it to the same result. Remove it then.
+        Folder of finished studies, from which an interrupted run continues. Remove it afterwards.
 
     Returns
     -------
     Checked
-        Verdicts and the numbers they rest on.
+        Verdicts and the numbers behind them.
 
     Raises
     ------
     InputError
-        The law or a rig is unknown, or a rig that is named has no data.
+        The law or a rig is unknown, or a named rig has no data.
     """
     began = time.perf_counter()
     analysis = Analysis() if analysis is None else analysis
@@ -163,7 +163,7 @@ def check_claims(
 def _summary(
     findings: Sequence[tuple[Claim, Finding]], case: Case, attributes: Provenance
 ) -> ClaimsFile:
-    """Return what ``claims.json`` says, without its id."""
+    """Return the content of ``claims.json``, without its id."""
     results = tuple(_result(claim, finding, case.entered) for claim, finding in findings)
     return ClaimsFile(
         **attributes.model_dump(),

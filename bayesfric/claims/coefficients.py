@@ -1,4 +1,4 @@
-"""Table I lies in the posterior, and the posterior is narrow enough to say so."""
+"""Table I lies in the posterior, and the posterior is narrow enough for this statement."""
 
 from collections.abc import Mapping
 
@@ -22,19 +22,19 @@ LEAST_TENSION_N = 5.0  # Table II names no lower bound; the paper's lightest wei
 
 
 def tail_probability(draws: Array, point: Array, rounding: Array) -> float:
-    """Return how likely a draw is further out than the nearest point that rounds alike.
+    """Return the tail probability of the nearest point that rounds to a printed point.
 
     Parameters
     ----------
     draws : ndarray, shape (S, d)
-        Of a distribution that is close to normal.
+        Draws of a nearly normal distribution.
     point, rounding : ndarray, shape (d,)
         A printed point and half a unit of the last digit of each number.
 
     Returns
     -------
     float
-        Of a χ² with d degrees of freedom, at the squared Mahalanobis distance.
+        Tail of a χ² with d degrees of freedom, at the squared Mahalanobis distance.
     """
     root = np.linalg.cholesky(np.atleast_2d(np.cov(draws, rowvar=False)))
     white = np.linalg.solve(root, np.diag(rounding))
@@ -44,7 +44,7 @@ def tail_probability(draws: Array, point: Array, rounding: Array) -> float:
 
 
 def largest_difference(theta: Mapping[str, Array], sizes: list[str]) -> Array:
-    """Return how far Table I's friction is off at most, over pulley sizes and Table II.
+    """Return the largest relative difference of Table I's friction, over sizes and Table II.
 
     The relative difference has its extremes at the corners of the tested range, where
     tension and wrap angle are least or most; the number of pulleys cancels.
@@ -59,7 +59,7 @@ def largest_difference(theta: Mapping[str, Array], sizes: list[str]) -> Array:
     Returns
     -------
     ndarray, shape (S,)
-        As a share of the friction of each draw.
+        Difference relative to the friction of each draw.
     """
     tested = paper()["table2"]
     off = []
@@ -87,7 +87,7 @@ def decide(
     tail : float
         Joint tail probability of Table I.
     probability : float
-        That friction by Table I is within the tolerance over the tested range.
+        Probability that friction by Table I is within the tolerance over the tested range.
     uninformed : list of str
         Coefficients that rest on their priors.
     """
@@ -109,7 +109,7 @@ def decide(
 
 
 def _judge(claim: Claim, case: Case) -> Finding:
-    """Ask whether Table I fits, whether the data inform it, and how narrowly."""
+    """Judge whether Table I fits, and whether the data determine it narrowly enough."""
     if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
     if BASELINES[case.entered.law].without:
@@ -145,7 +145,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
         figures[f"{p.name}_over_table1"] = float(column.mean() / value)
         figures[f"{p.name}_relative_sd"] = float(column.std() / abs(value))
     verdict, reason = decide(rules, tail, probability, uninformed)
-    # Odds against all that the priors allow would only measure how wide these are.
+    # A Bayes factor against free coefficients would depend mainly on the width of the priors.
     return Finding(verdict, reason, figures, why="the claim rests on a probability")
 
 

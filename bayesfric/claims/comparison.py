@@ -18,7 +18,7 @@ from bayesfric.inference.evidence.leave_out import Difference, difference
 from bayesfric.inference.power import amplitude_error, smallest_found
 
 LN10 = float(np.log(10))
-FOUND_WITH = 0.9  # probability of finding the smallest effect that would have been found
+FOUND_WITH = 0.9  # power at which the smallest detectable effect is reported
 LEAST_AMPLITUDE = 1e-12
 STABLE_OVER = (10**-0.5, 10**0.5)  # a tenfold change of the width
 
@@ -29,15 +29,15 @@ def compare(claim: Claim, case: Case) -> Finding:
     Parameters
     ----------
     claim : Claim
-        With rivals.
+        A claim with rivals.
     case : Case
         Of a recording.
 
     Returns
     -------
     Finding
-        ``not-testable`` where the recording lacks the rig or the condition that the
-        rivals differ in does not vary.
+        ``not-testable`` if the recording lacks the rig, or if the condition in which the
+        rivals differ does not vary.
     """
     if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
@@ -62,7 +62,7 @@ def _against_rivals(
     weighed: Mapping[LawWithEffects, Studied],
     lacking: Sequence[str],
 ) -> Finding:
-    """Judge a claim against rivals that have an evidence; `lacking` says why others have none."""
+    """Judge a claim against rivals with an evidence; `lacking` explains missing evidences."""
     rules = case.analysis.claims
     own = case.studied[Task(name, case.entered.claimed)]
     factors = {rival.label: bayes_factor(own, [studied]) for rival, studied in weighed.items()}
@@ -117,14 +117,14 @@ def _against_rivals(
 
 
 def _difference_of_prediction(own: Studied, best: Studied) -> Difference:
-    """Return by how much the claim predicts new assemblies better than its best rival."""
+    """Return the ELPD of new assemblies under the claim minus that under its best rival."""
     assert own.prediction is not None
-    assert best.prediction is not None  # a study of all sizes together has both, or neither
+    assert best.prediction is not None  # both exist in studies of all sizes together
     return difference(own.prediction, best.prediction)
 
 
 def _upper_bounds(rivals: Mapping[LawWithEffects, Studied]) -> dict[str, float]:
-    """Return the 95 % upper bound of each rival's effect, as a share of friction."""
+    """Return the 95 % upper bound of each rival's effect, relative to friction."""
     return {
         rival.label: float(np.quantile(studied.size, 0.95))
         for rival, studied in rivals.items()
@@ -150,8 +150,8 @@ def verdicts_over_widths(
 ) -> list[Verdict]:
     """Return the verdict at each width of the rivals' priors.
 
-    Draws are weighted by the ratio of the priors, so that the effect's size follows the
-    width as the Bayes factor does; the difference of prediction stays what it is.
+    Draws are weighted by the ratio of the priors, so that the effect's size depends on the width
+    as the Bayes factor does. The difference of prediction is not changed.
 
     Parameters
     ----------
@@ -186,10 +186,10 @@ def verdicts_over_widths(
 
 
 def could_be_found(case: Case, rivals: Mapping[LawWithEffects, Studied]) -> dict[str, Any]:
-    """Return the smallest effect that these data would have shown, by rival.
+    """Return the smallest effect that these data could have detected, by rival.
 
-    It is the share of friction, where the effect matters most, that is favoured over the
-    claim at the odds which refute it, with a probability of 0.9 over recordings like this.
+    It is relative to friction, at the conditions where the effect is largest. In recordings like
+    this one, the odds would refute the claim with a probability of 0.9.
 
     Parameters
     ----------
@@ -222,10 +222,10 @@ def could_be_found(case: Case, rivals: Mapping[LawWithEffects, Studied]) -> dict
 
 
 def same_around(verdicts: Sequence[Verdict], verdict: Verdict) -> tuple[float, float]:
-    """Return the narrowest and widest prior around the analysis's with its verdict."""
+    """Return the narrowest and widest prior, around the analysis's, with the same verdict."""
     middle = len(WIDTHS) // 2
     other = np.flatnonzero(np.array(verdicts) != verdict)
-    if middle in other:  # this verdict needs the odds at several widths, so no single width has it
+    if middle in other:  # this verdict depends on several widths, so no single width has it
         return WIDTHS[middle], WIDTHS[middle]
     low = other[other < middle].max(initial=-1) + 1
     high = other[other > middle].min(initial=len(WIDTHS)) - 1
@@ -240,7 +240,7 @@ def _quantile(values: Array, weights: Array) -> float:
 
 
 def _doubted(verdict: str, predicted: Difference) -> str:
-    """Return, behind a reason to refute, why the error of the prediction is not reliable."""
+    """Return words, added to a reason to refute, on an unreliable error of the prediction."""
     if verdict != "refuted" or predicted.reliable:
         return ""
     return (
@@ -293,7 +293,7 @@ def decide(
 def _favoured(
     rules: ClaimRules, log10: float, lowest: float, upper_bound: float
 ) -> tuple[Verdict, str]:
-    """Decide where the odds are for the claim; `lowest` is as their width changes tenfold."""
+    """Decide if the odds favour the claim; `lowest` is their minimum over a tenfold width."""
     small = upper_bound < rules.region_of_equivalence
     if not small:
         return "undecided", (
@@ -314,7 +314,7 @@ def _favoured(
 def _disfavoured(
     rules: ClaimRules, log10: float, highest: float, beyond: float, elpd_errors: float, best: str
 ) -> tuple[Verdict, str]:
-    """Decide where the odds are against the claim."""
+    """Decide if the odds are against the claim."""
     matters = beyond >= rules.refute_effect_probability
     if not matters:
         return "undecided", (
@@ -341,7 +341,7 @@ def log_evidence(studied: Studied, width: int | None = None) -> float:
     Parameters
     ----------
     studied : Studied
-        With an evidence.
+        A study with an evidence.
     width : int or None
         Place in :data:`bayesfric.claims.studies.WIDTHS` of the width of its amplitude's
         prior, if it has one; None is as it is.
@@ -354,10 +354,9 @@ def log_evidence(studied: Studied, width: int | None = None) -> float:
 def bayes_factor(
     own: Studied, rivals: list[Studied], width: int | None = None
 ) -> tuple[float, float]:
-    """Return the log10 Bayes factor against the best of some rivals.
+    """Return the log10 Bayes factor against the best rival, and its error.
 
-    Rivals are not averaged: one that the data rule out would only take its share of the
-    prior from the others, and flatter the claim.
+    Rivals are not averaged: an excluded rival would lower the average and favour the claim.
 
     Parameters
     ----------

@@ -10,14 +10,14 @@ from bayesfric.simulate import table1_coefficients
 
 
 class Contradiction(NamedTuple):
-    """Two statements that do not go together.
+    """Two statements of the paper that contradict each other.
 
     Parameters
     ----------
     topic : str
-        In a word or two.
+        Topic in a word or two.
     statement : str
-        What does not go together with what, numbers included.
+        The contradiction in a sentence, with numbers.
     figures : dict of str to float
         These numbers.
     """
@@ -28,7 +28,7 @@ class Contradiction(NamedTuple):
 
 
 def contradictions() -> list[Contradiction]:
-    """Return what the paper says against itself, computed from its own numbers."""
+    """Return the paper's contradictions, computed from its own numbers."""
     said, robot, bearings = paper(), paper()["robot"], paper()["bearings"]
     stiffness = said["stiffness"]
     law = table1_coefficients()[stiffness["pulley_size"]]

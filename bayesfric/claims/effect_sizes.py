@@ -1,4 +1,4 @@
-"""How large a rival's effect is, in proportion to the machine that the data are of."""
+"""The size of a rival's effect, relative to friction of the recorded machine."""
 
 from collections.abc import Mapping
 
@@ -15,7 +15,7 @@ MIDDLE = {"n_pulleys": 9.0, "wrap_angle_deg": 85.0, "tension_n": 15.0, "speed_m_
 
 
 def suited_effects(data: Data, effects: Mapping[str, Effect]) -> dict[str, Effect]:
-    """Return effects as the rig of some data has them, by name; of two rigs as they are."""
+    """Return effects with the rig's units and priors, by name; unchanged for two rigs."""
     if len(data.rigs) > 1:
         return dict(effects)
     return {name: data.rigs[0].suited(effect) for name, effect in effects.items()}
@@ -27,7 +27,7 @@ def size_at_edge(
     hypothesis: LawWithEffects,
     effects: Mapping[str, Effect],
 ) -> Array:
-    """Return the share of friction that the effect makes where it matters most, shape (S,)."""
+    """Return the effect relative to friction at the conditions where it is largest, (S,)."""
     if not hypothesis.effects:
         return np.empty(0)
     (name, law), effect = hypothesis.effects[0], effects[hypothesis.effects[0][0]]
@@ -48,6 +48,6 @@ def size_at_edge(
 
 
 def slowest_speed(data: Data) -> float:
-    """Return the least speed at which anything was measured [m/s]."""
+    """Return the lowest measured speed [m/s]."""
     speeds = [trials.slowest_speed_m_s for trials in data.rigs]
     return min((speed for speed in speeds if np.isfinite(speed)), default=0.0)

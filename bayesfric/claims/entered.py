@@ -1,4 +1,4 @@
-"""The data that claims are judged on, by name, and the law that they are about."""
+"""The data that claims are judged on, by name, and the law of the claims."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ PAPER = "paper"
 
 @dataclass(frozen=True)
 class Entered:
-    """The data of a recording that enter, whole and by pulley size, and the law.
+    """The used data of a recording, as a whole and by pulley size, and the law.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ class Entered:
         a rig and a size as in ``RIG/small``; and by those of two rigs as in ``RIG+OTHER``,
         the second with the sizes that it shares with the first.
     left_out : tuple of str
-        Rigs of the recording that were not asked for.
+        Rigs of the recording that were not requested.
     law : str
         The friction law that claims are about, a name in
         :data:`bayesfric.physics.laws.BASELINES`.
@@ -39,12 +39,12 @@ class Entered:
     def of(
         cls, recording: Recording, rigs: Sequence[str] | None = None, law: str = PAPER
     ) -> "Entered":
-        """Return the data of the rigs of a recording, or of those that are named.
+        """Return the data of all rigs of a recording, or of the named ones.
 
         Raises
         ------
         InputError
-            A rig or the law is unknown, or a rig that is named has no data.
+            A rig or the law is unknown, or a named rig has no data.
         """
         there = rigs_with_trials(recording)
         baseline_of(law, tuple(there.values()))
@@ -62,7 +62,7 @@ class Entered:
 
     @property
     def claimed(self) -> LawWithEffects:
-        """The law, and nothing beside it."""
+        """The law without effects."""
         return LawWithEffects(self.law)
 
     @property
@@ -76,7 +76,7 @@ class Entered:
         return trials
 
     def first(self, regime: Regime) -> str | None:
-        """Return the name of the first rig with data whose trials move in this way, or None."""
+        """Return the name of the first rig with trials of this motion, or None."""
         moving = (
             name
             for name in self.rigs
@@ -86,11 +86,11 @@ class Entered:
 
     @property
     def has_pulleys(self) -> bool:
-        """Whether any data are of a cable over pulleys, which claims are about."""
+        """Whether any data are of a cable over pulleys."""
         return any(self.trials(name).has_pulleys for name in self.rigs)
 
     def lack(self, regime: Regime) -> str:
-        """Return a sentence that says why no rig with data moves in this way."""
+        """Return a sentence on why no rig has trials of this motion."""
         kinds = [rig for rig in all_rigs().values() if rig.words.regime == regime]
         without = [rig for rig in kinds if rig.name in self.left_out]
         if without:

@@ -1,4 +1,4 @@
-"""Draws of the claims' law and of its rivals, laid out so that ArviZ compares them."""
+"""Stored draws of the claims' law and of its rivals, in a form that ArviZ can compare."""
 
 from collections.abc import Collection, Mapping
 
@@ -12,14 +12,14 @@ NOT_BEST = "of a claim's rivals only the draws of the best are kept"
 
 
 def models_kept(studied: Mapping[Task, Studied], chosen: Collection[Task]) -> dict[str, xr.Dataset]:
-    """Return the groups of ``claims.nc`` that hold draws.
+    """Return the groups of ``claims.nc`` that contain draws.
 
     Parameters
     ----------
     studied : mapping of Task to Studied
-        Every hypothesis.
+        The studies of all hypotheses.
     chosen : collection of Task
-        Whose draws are kept, where there are any.
+        Tasks whose draws are stored, if there are any.
 
     Returns
     -------

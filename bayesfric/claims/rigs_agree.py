@@ -13,12 +13,12 @@ from bayesfric.probabilities import stated
 
 
 def agree(rules: ClaimRules, off: Array) -> Array:
-    """Return whether conditions lie within the paper's two tolerances.
+    """Return for each draw whether the conditions lie within the paper's two tolerances.
 
     Parameters
     ----------
     rules : ClaimRules
-        With the tolerance of all conditions, and that of most.
+        Contains the tolerance of all conditions, and that of most conditions.
     off : ndarray, shape (C, S)
         Relative difference of each condition and draw.
 
@@ -31,12 +31,12 @@ def agree(rules: ClaimRules, off: Array) -> Array:
 
 
 def most_within(rules: ClaimRules, off: Array) -> Array:
-    """Return by draw whether most conditions lie within the narrower tolerance, shape (S,)."""
+    """Return for each draw whether most conditions lie within the narrower tolerance, (S,)."""
     return np.asarray((np.abs(off) <= rules.rig_usual_tolerance).mean(axis=0) > 0.5)
 
 
 def difference_of_conditions(claim: Claim, case: Case) -> Array | Finding:
-    """Return the relative difference of each condition and draw, or why there is none.
+    """Return the relative difference of each condition and draw, or a finding without one.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def _conditions(case: Case, task: Task) -> "pd.Series[str]":
 
 
 def _judge(claim: Claim, case: Case) -> Finding:
-    """Ask how far the second rig's friction is from the first's, in both their data."""
+    """Judge the relative difference between the rigs, given the data of both."""
     off = difference_of_conditions(claim, case)
     if isinstance(off, Finding):
         return off

@@ -7,7 +7,7 @@ from bayesfric.probabilities import stated
 
 
 def _judge(claim: Claim, case: Case) -> Finding:
-    """Ask the model in which the rigs may differ how many conditions are close."""
+    """Judge how many conditions agree, in the model in which the rigs may differ."""
     off = difference_of_conditions(claim, case)
     if isinstance(off, Finding):
         return off

@@ -13,7 +13,7 @@ CABLES = 64  # draws of the cable from its priors
 
 
 def _judge(claim: Claim, case: Case) -> Finding:
-    """Probability, over cables and trials, that stretch changes friction by less."""
+    """Compute the probability, over cables and trials, that stretch changes friction little."""
     if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
     name = claim.subject(case.entered)

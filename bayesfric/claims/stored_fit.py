@@ -1,4 +1,4 @@
-"""A fit that is stored already, if it is of the same recording and analysis."""
+"""Reads a stored fit, if it has the same recording and analysis."""
 
 from pathlib import Path
 
@@ -20,19 +20,18 @@ def current_posterior(
     Parameters
     ----------
     folder : Path
-        Where ``fit.json`` and ``draws.nc`` may be.
+        Folder that may contain ``fit.json`` and ``draws.nc``.
     recording : Recording
-        Of which the fit must be.
+        The recording of the fit.
     analysis : Analysis
-        With which it must have been made.
+        The analysis of the fit.
     baseline : str
         The friction law, a name in :data:`bayesfric.physics.laws.BASELINES`.
 
     Returns
     -------
     dict of str to dict of str to ndarray
-        Empty where there is no fit of this law to one rig alone, or it has not
-        converged.
+        Empty if there is no fit of this law to a single rig, or if it has not converged.
     """
     if not (folder / "fit.json").exists() or not (folder / "draws.nc").exists():
         return {}

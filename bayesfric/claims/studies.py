@@ -1,4 +1,4 @@
-"""A hypothesis of a claim: its evidence, its predictions, and the size of its effect."""
+"""Studies hypotheses of claims: evidence, predictions, and the size of the effect."""
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor, as_completed
@@ -32,10 +32,10 @@ from bayesfric.inference.sampling import sample
 from bayesfric.physics.laws import RIVAL_LAWS
 from bayesfric.rigs.data import Data
 
-SHORT_RUN = Sampler(burn=20, steps=60, thin=3, extensions=5)  # run on where it is not enough
+SHORT_RUN = Sampler(burn=20, steps=60, thin=3, extensions=5)  # extended if it is too short
 WALKERS = 60  # at least: many walkers and few steps are quicker than the other way round
-POINTS = 2000  # of an importance sample; half as many where the evidence alone is asked for
-POINTS_APART = 4000  # of two rigs that differ: their 26 numbers scattered the weights of 2000
+POINTS = 2000  # of an importance sample; half as many if only the evidence is needed
+POINTS_APART = 4000  # for two rigs that differ: 2000 are too few for 26 parameters
 POINTWISE_DRAWS = 1000
 AMPLITUDES = (-4.0, -3.0, -2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0)
 SHAPES = (-2.0, -1.0, 0.0, 1.0, 2.0)
@@ -45,7 +45,7 @@ WIDTHS = tuple(float(width) for width in np.geomspace(0.1, 10.0, 21))
 
 
 class Task(NamedTuple):
-    """What to study.
+    """A hypothesis, and the data on which it is studied.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class Task(NamedTuple):
         Name of the data: that of a rig; of a rig and one pulley size as in ``RIG/small``;
         or of two rigs that may differ as in ``RIG+OTHER``.
     hypothesis : LawWithEffects
-        What is assumed.
+        The hypothesis.
     """
 
     data: str
@@ -61,7 +61,7 @@ class Task(NamedTuple):
 
     @property
     def whole(self) -> bool:
-        """Whether all sizes enter."""
+        """Whether data of all sizes are used."""
         return "/" not in self.data
 
     @property
@@ -71,16 +71,16 @@ class Task(NamedTuple):
 
 
 class Kept(NamedTuple):
-    """Some draws of a hypothesis, to be compared with those of another.
+    """Some draws of a hypothesis, for comparison with those of another.
 
     Parameters
     ----------
     theta : mapping of str to ndarray, shape (chain, draw)
-        By parameter; a chain is an ensemble, or a part of an importance sample.
+        Draws by parameter; a chain is an ensemble, or a part of an importance sample.
     setups : tuple of str
-        Its J assemblies.
+        Names of the J assemblies.
     log_likelihood : ndarray, shape (chain, draw, J)
-        Of each assembly given the others.
+        Log density of each assembly given the others.
     """
 
     theta: Mapping[str, Array]
@@ -90,27 +90,27 @@ class Kept(NamedTuple):
 
 @dataclass(frozen=True)
 class Studied:
-    """The evidence of a hypothesis, what it predicts, and how large its effect is.
+    """The evidence of a hypothesis, its predictions, and the size of its effect.
 
     Parameters
     ----------
     evidence : Evidence or None
-        By importance sampling or, where that is not to be relied on, by bridge sampling;
-        None where none can be had.
+        From importance sampling or, if that is not reliable, from bridge sampling; None if it
+        cannot be computed.
     why : str
         Why there is no evidence.
     theta : mapping of str to ndarray, shape (S,)
-        Draws by parameter; empty of one size.
+        Draws by parameter; empty for a single size.
     prediction : ELPD or None
-        Of each assembly left out in turn; None of one size.
+        Leave-one-assembly-out prediction; None for a single size.
     widths : ndarray, shape (len(WIDTHS),)
         Change of the log evidence as the width of an amplitude's prior is multiplied
         by :data:`WIDTHS`; empty without an effect.
     size : ndarray, shape (S,)
-        Largest share of friction that the effect makes at its edge, over pulley sizes,
-        draw by draw; empty without an effect.
+        The effect relative to friction where it is largest, maximum over pulley sizes, draw by
+        draw; empty without an effect.
     kept : Kept or None
-        Some of the draws; None of one size.
+        Some of the draws; None for a single size.
     """
 
     evidence: Evidence | None
@@ -145,16 +145,16 @@ def study_all(
     effects : dict of str to Effect
         Effects by name.
     executor : Executor or None
-        Where to compute; None is here.
+        Computes in parallel; None computes one after another.
     keeping : Checkpoint
-        Keeps each study when it is done, and has those that were done before.
+        Stores each finished study, and returns those that were finished before.
     done : callable
         Called after each study.
 
     Returns
     -------
     dict of Task to Studied
-        The same whatever the executor.
+        Results, which do not depend on the executor.
     """
     near = {
         task.data: _mode(data[task.data], analysis, task.hypothesis, effects)
@@ -195,7 +195,7 @@ Given = tuple[Data, Analysis, Task, dict[str, Effect], dict[str, float]]
 def _mode(
     data: Data, analysis: Analysis, law: LawWithEffects, effects: dict[str, Effect]
 ) -> dict[str, float]:
-    """Return the mode of a law without effects; the climbs of all hypotheses start there.
+    """Return the mode of a law without effects, from which all searches for modes start.
 
     The first call also fills the tables that likelihoods of the same trials share.
     """
@@ -203,13 +203,13 @@ def _mode(
         model = model_of(data, analysis, law, effects)
         try:
             laplace = bounded_mode(model, model.start())
-        except NoModeError:  # which its study says
+        except NoModeError:  # its study reports this
             return {}
     return dict(zip(model.names, model.natural(laplace.mode).tolist(), strict=True))
 
 
 def _name(given: Given) -> str:
-    """Return the name under which a checkpoint keeps a study: a digest of its task."""
+    """Return the name of a study in a checkpoint: a digest of its task."""
     return f"studied-{sha256(repr(given[2]).encode()).hexdigest()[:16]}"
 
 
@@ -224,7 +224,7 @@ def _study(
     effects: dict[str, Effect],
     near: dict[str, float],
 ) -> Studied:
-    # The seed depends on what is studied, not on how many studies there are.
+    # The seed depends on the task, not on the number of studies.
     words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
     seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
     effects = suited_effects(data, effects)
@@ -255,7 +255,7 @@ def _study(
         some = z[np.linspace(0, len(z) - 1, POINTWISE_DRAWS).astype(int)]
         densities = setup_log_densities(model, some)
     named = model.by_name(model.natural(z))
-    by_chain = (SHORT_RUN.ensembles, -1)  # draws are evenly spaced, so each chain has as many
+    by_chain = (SHORT_RUN.ensembles, -1)  # draws are evenly spaced, so chains have equal lengths
     shown = model.by_name(model.natural(some)).items()
     kept = Kept(
         {name: values.reshape(by_chain) for name, values in shown},
@@ -278,7 +278,7 @@ def _study(
 def _weighed(
     model: Model, laplace: Laplace, seed: int, size: int, points: int = FITTED_TO
 ) -> tuple[Evidence, Array] | None:
-    """Draw by importance sampling; None where the weights have heavy tails."""
+    """Draw by importance sampling; None if the weights have heavy tails."""
     return importance_draws(
         model.log_posterior,
         laplace,
@@ -315,7 +315,7 @@ def _apart(model: Model, laplace: Laplace, seed: int, proposals: int) -> Studied
 def _start(
     model: Model, hypothesis: LawWithEffects, effects: dict[str, Effect], near: dict[str, float]
 ) -> Array:
-    """Return a point to climb from: the best of a few amplitudes and shapes of the effects."""
+    """Return a starting point: the best of a few amplitudes and shapes of the effects."""
     rough = model.start()
     numbers = dict(zip(model.names, model.natural(rough).tolist(), strict=True)) | near
     start = model.sampling(np.array([numbers[name] for name in model.names]))
@@ -335,7 +335,7 @@ def _start(
 def prior_ratios(
     theta: Mapping[str, Array], hypothesis: LawWithEffects, effects: Mapping[str, Effect]
 ) -> Array:
-    """Return the log ratio of the amplitude's prior at another width to that at its own.
+    """Return the log ratio of the amplitude's prior at each width to that at its own width.
 
     Parameters
     ----------
@@ -362,7 +362,7 @@ def prior_ratios(
 def _over_widths(
     theta: Mapping[str, Array], hypothesis: LawWithEffects, effects: dict[str, Effect]
 ) -> Array:
-    """Return how the log evidence changes with the width of the amplitude's prior.
+    """Return the change of the log evidence with the width of the amplitude's prior.
 
     The evidence under another prior is that under this one times the posterior mean of
     the ratio of the priors.

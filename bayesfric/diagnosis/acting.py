@@ -1,4 +1,4 @@
-"""Which effects act in a hypothesis, by which laws and shapes, and the hypothesis at one noise."""
+"""The effects, laws and shapes of a hypothesis, and its posterior at given noise parameters."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,18 +14,18 @@ from bayesfric.inference.information import Information
 
 @dataclass(frozen=True)
 class Law:
-    """One law of an effect: its candidates and their nodes.
+    """One law of an effect, with a candidate at each node of its shape parameter.
 
     Parameters
     ----------
     effect, law : str
         Their names.
     places : tuple of int
-        Of its candidates, shapes ascending.
+        Positions of its candidates in the model's list, by ascending shape.
     nodes : tuple of float
-        Normal quantiles of the shape.
+        Shapes of these candidates, as normal quantiles of the prior.
     log_weight : float
-        Of the law among those of the effect.
+        Log prior weight of this law among the laws of the effect.
     """
 
     effect: str
@@ -36,7 +36,7 @@ class Law:
 
     @property
     def has_shape(self) -> bool:
-        """Whether there is a shape to choose."""
+        """Whether the law has a shape parameter."""
         return len(self.nodes) > 1
 
     @cached_property
@@ -44,7 +44,7 @@ class Law:
         return scipy.interpolate.make_interp_spline(self.nodes, np.eye(len(self.nodes)), k=5)
 
     def weights(self, shape: Array) -> Array:
-        """Return the mixture of candidates at shapes, (…, nodes)."""
+        """Return the interpolation weights of the candidates at given shapes, (…, nodes)."""
         if not self.has_shape:
             return np.ones((*np.shape(shape), 1))
         return np.asarray(self._spline(np.clip(shape, self.nodes[0], self.nodes[-1])))
@@ -52,16 +52,16 @@ class Law:
 
 @dataclass(frozen=True)
 class Acting:
-    """Effects that act together, a law and a shape of each.
+    """Effects that act together, each with a law and a shape.
 
     Parameters
     ----------
     laws : tuple of Law
-        Of effects with columns.
+        Laws of effects with columns in the linear model.
     shapes : tuple of float
-        Normal quantile of each's shape.
+        Shape of each of these laws, as a normal quantile.
     phases : tuple of Law
-        Of effects with phases.
+        Laws of periodic effects with unrecorded phases.
     """
 
     laws: tuple[Law, ...] = ()
@@ -70,28 +70,28 @@ class Acting:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the effects."""
+        """Names of the effects, sorted."""
         return tuple(sorted(law.effect for law in (*self.laws, *self.phases)))
 
 
 @dataclass(frozen=True)
 class At:
-    """A hypothesis at one noise.
+    """Posterior of a hypothesis at given noise parameters.
 
     Parameters
     ----------
     psi : ndarray
-        Logarithms of the noise.
+        Logarithms of the noise parameters.
     value : float
-        Log density of data and noise; numbers integrated out.
+        Log joint density of data and noise parameters; the numbers are integrated out.
     gradient : ndarray or None
-        Of it.
+        Its gradient with respect to `psi`.
     information : Information
-        On the numbers.
+        Information of the data on the numbers.
     mean, covariance : ndarray
-        Of the numbers, given the data.
+        Posterior moments of the numbers.
     at_mode : bool
-        Whether a climb has found no more to gain.
+        Whether `psi` is a mode.
     """
 
     psi: Array
@@ -104,7 +104,7 @@ class At:
 
 
 def phase_name(law: Law) -> str:
-    """Return what the amplitude of an effect with phases is called among the noise."""
+    """Return the name of a periodic effect's amplitude among the noise parameters."""
     return f"{law.effect}:{law.law}"
 
 
@@ -131,14 +131,14 @@ def lawbook(candidates: Sequence[Candidate]) -> dict[str, tuple[Law, ...]]:
 def merged(
     laws_of: Mapping[str, tuple[Law, ...]], members: Sequence[Sequence[str]]
 ) -> dict[str, tuple[Law, ...]]:
-    """Return a book of laws in which the first of each class of effects has the laws of all.
+    """Return a lawbook in which the first effect of each class has the laws of the whole class.
 
     Parameters
     ----------
     laws_of : mapping of str to tuple of Law
         As :func:`lawbook` returns it.
     members : sequence of sequence of str
-        Effects that no data tell apart, class by class.
+        Classes of effects that the data cannot distinguish.
     """
     merged_laws = dict(laws_of)
     for first, *others in members:

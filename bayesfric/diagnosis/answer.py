@@ -1,4 +1,4 @@
-"""The summary of a diagnosis: what ``diagnosis.json`` has of it."""
+"""The content of ``diagnosis.json``, from all results of a diagnosis."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,7 @@ import numpy as np
 
 from bayesfric.diagnosis.causes import causes_of, inclusion_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
-from bayesfric.diagnosis.checking import not_followed
+from bayesfric.diagnosis.checking import ignored_scatter_settings
 from bayesfric.diagnosis.compared import Compared
 from bayesfric.diagnosis.concluded import Conclusion, Measured
 from bayesfric.diagnosis.entering import numbers_to_enter
@@ -23,7 +23,7 @@ from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.shipped import held_values, shipped_numbers
-from bayesfric.diagnosis.showing import windows_meant
+from bayesfric.diagnosis.showing import window_words
 from bayesfric.diagnosis.simulated import simulator_used
 from bayesfric.diagnosis.strays import far_rows
 from bayesfric.diagnosis.target import friction_at
@@ -53,33 +53,33 @@ from bayesfric.schemas.diagnosis import FrictionAsked
 from bayesfric.schemas.gap import Axis
 
 NOTHING_TOLD = "these data tell no number of the model"
-PRIORS_OF_NONE = (0.1, 0.9)  # with which probabilities are told beside those of the analysis
+PRIORS_OF_NONE = (0.1, 0.9)  # priors of no effect; probabilities are also reported under these
 
 
 @dataclass(frozen=True)
 class Answer:
-    """All that a diagnosis came to.
+    """All results of a diagnosis.
 
     Parameters
     ----------
     question : Question
-        What was asked.
+        The recording and what is asked of it.
     compared : Compared
-        Hypotheses.
+        The compared hypotheses.
     judged : Judged
         Effects, sorted.
     measured : Measured
-        The gap on data held out.
+        The gap on held-out data.
     conclusion : Conclusion
         The verdict.
     law : dict of str to LawNumber
-        Before and after, by the instrument where there is one.
+        The law without and with the causes; estimates by the instrument if there is one.
     where : tuple of Axis
         Axes of the gap, the largest share first.
     unexplained : Interval
-        What no axis explains.
+        Share of the gap that no axis explains.
     all_unexplained_because : str
-        Why that is all of it, where it is.
+        Why no axis explains any of it; empty otherwise.
     """
 
     question: Question
@@ -94,11 +94,11 @@ class Answer:
 
     @property
     def search(self) -> Search:
-        """Hypotheses, once held-out data were asked."""
+        """The hypotheses after the check on held-out data."""
         return self.conclusion.overruled.search
 
 
-def law_told(
+def reported_law(
     compared: Compared,
     judged: Judged,
     measured: Measured,
@@ -106,7 +106,7 @@ def law_told(
     practical: float,
     rng: np.random.Generator,
 ) -> dict[str, LawNumber]:
-    """Return the law before and after, by the instrument where there is one.
+    """Return the law without and with the causes, by the instrument if there is one.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def law_told(
     practical : float
         Practical share of friction.
     rng : Generator
-        Source of randomness of scatter from run to run.
+        Source of randomness for the scatter from run to run.
     """
     scatter = scatter_of_runs(compared.model, judged.plain, measured.held_out.inside[2])
     law = law_of_diagnosis(
@@ -134,8 +134,8 @@ def law_told(
     )
 
 
-class CausesTold(NamedTuple):
-    """Effects by what they are to the gap, each with what is to be said of it."""
+class ReportedCauses(NamedTuple):
+    """Effects with their figures: causes, present or possible effects, and overruled causes."""
 
     causes: tuple[Cause, ...]
     present: tuple[Cause, ...]
@@ -143,15 +143,15 @@ class CausesTold(NamedTuple):
     considered: tuple[Cause, ...]
 
 
-def causes_told(answer: Answer, rng: np.random.Generator) -> CausesTold:
-    """Return what is said of causes, of what is present or possible, and of what was overruled.
+def reported_causes(answer: Answer, rng: np.random.Generator) -> ReportedCauses:
+    """Return the figures of causes, of present or possible effects, and of overruled causes.
 
     Parameters
     ----------
     answer : Answer
-        With which effects these are.
+        Results of the diagnosis.
     rng : Generator
-        Source of randomness of draws that check evidences.
+        Source of randomness for the importance draws that check evidences.
     """
     model, gap = answer.compared.model, answer.measured.gap
     checks: dict[Hypothesis, Checked] = {}
@@ -182,20 +182,20 @@ def causes_told(answer: Answer, rng: np.random.Generator) -> CausesTold:
     if conclusion.contradicted:
         considered = causes if named else causes_named(conclusion.objections.rivals)
         causes = ()
-    return CausesTold(causes, present, causes_named(conclusion.overruled.possible), considered)
+    return ReportedCauses(causes, present, causes_named(conclusion.overruled.possible), considered)
 
 
-def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> DiagnosisFile:
-    """Return what is stored of a diagnosis.
+def file_of(answer: Answer, reported: ReportedCauses, attributes: Provenance) -> DiagnosisFile:
+    """Return the content of ``diagnosis.json``.
 
     Parameters
     ----------
     answer : Answer
-        All that it came to.
-    told_of : CausesTold
-        What is said of effects.
+        Results of the diagnosis.
+    reported : ReportedCauses
+        Effects with their figures.
     attributes : Provenance
-        What every file carries.
+        Provenance that every file contains.
     """
     question, compared, judged = answer.question, answer.compared, answer.judged
     conclusion, gap, search = answer.conclusion, answer.measured.gap, answer.search
@@ -203,11 +203,11 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
     unseparated = unseparated_of(search.classes, conclusion.together)
     proposals, no_proposal = next_experiment(model, search, search.probabilities())
     to_enter, not_entered = numbers_to_enter(
-        model, law, judged.posterior, told_of.causes, gap, judged.residuals
+        model, law, judged.posterior, reported.causes, gap, judged.residuals
     )
-    words = sentence_of(_statement(answer, told_of, unseparated))
-    considered = [cause for cause in told_of.considered if is_named(cause.effect, words)]
-    on_held_out = held_out_words(gap, told_of.causes or considered, conclusion.verdict)
+    words = sentence_of(_statement(answer, reported, unseparated))
+    considered = [cause for cause in reported.considered if is_named(cause.effect, words)]
+    on_held_out = held_out_words(gap, reported.causes or considered, conclusion.verdict)
     return DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(rig.rig.name for rig in data.rigs),
@@ -223,7 +223,7 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
         verdict_probability=conclusion.probability,
         sentence=f"{words} {on_held_out}",
         **_hypotheses(answer),
-        **told_of._asdict(),
+        **reported._asdict(),
         overruled_by=conclusion.objections.held_out or conclusion.objections.loop,
         enter=to_enter,
         enter_why=not_entered,
@@ -244,36 +244,36 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
 
 
 def is_named(effect: str, words: str) -> bool:
-    """Return whether a sentence names an effect, and not only one whose name has it as a part."""
+    """Return whether a sentence contains the name of an effect as a whole word."""
     return re.search(rf"(?<![\w-]){re.escape(effect)}(?![\w-])", words) is not None
 
 
 def _statement(
-    answer: Answer, told_of: CausesTold, unseparated: tuple[Unseparated, ...]
+    answer: Answer, reported: ReportedCauses, unseparated: tuple[Unseparated, ...]
 ) -> Statement:
-    """Return what the sentence is made of."""
+    """Return the parts of the verdict sentence."""
     conclusion, is_open = answer.conclusion, answer.judged.above < RULES.likely
     return Statement(
         conclusion.verdict,
         conclusion.probability,
         answer.measured.gap,
         answer.question.practical,
-        told_of.causes,
+        reported.causes,
         answer.where,
         unseparated,
-        told_of.present,
-        told_of.considered,
+        reported.present,
+        reported.considered,
         conclusion.not_shown if is_open else None,
         answer.compared.data.rigs[0].other_joints if conclusion.objections.other_joints else None,
         conclusion.objections.held_out,
         conclusion.unlike_scatter if is_open else None,
-        windows_meant(answer.judged.residuals),
+        window_words(answer.judged.residuals),
         conclusion.open_because,
     )
 
 
 def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
-    """Return what a reader should know first, what the data contradict at its head."""
+    """Return warnings for the reader; those that the data contradict come first."""
     question, conclusion, data = answer.question, answer.conclusion, answer.compared.data
     suspects = [*answer.judged.named, *conclusion.objections.rivals, *conclusion.overruled.possible]
     factor = gravity_hides_inertia(answer.compared.model, answer.judged.residuals.turns)
@@ -292,13 +292,13 @@ def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
             has_force=axis is None or "force_n" in axis.samples,
         ),
         *far_rows(answer.compared.baseline),
-        *not_followed(question.analysis, answer.compared.model),
+        *ignored_scatter_settings(question.analysis, answer.compared.model),
         *question.remarks,
     )
 
 
 def _hypotheses(answer: Answer) -> dict[str, Any]:
-    """Return how probable hypotheses and effects are, and what is said of each effect."""
+    """Return the probabilities of hypotheses and effects, and the entry of each effect."""
     question, search = answer.question, answer.search
     return {
         "probabilities": printed(search.probabilities()),
@@ -321,7 +321,7 @@ def _hypotheses(answer: Answer) -> dict[str, Any]:
 
 
 def _machine(answer: Answer) -> dict[str, Any]:
-    """Return which joint of a machine it is, and how wrong the machine's model is."""
+    """Return the joint's name, and the errors of the machine's model."""
     axis, conclusion = answer.question.recording.axis, answer.conclusion
     amounts, instrument = conclusion.objections.amounts, conclusion.objections.instrument
     errors = () if amounts is None else model_errors([amounts])
@@ -337,7 +337,7 @@ def _machine(answer: Answer) -> dict[str, Any]:
 
 
 def _asked_for(answer: Answer, law: Mapping[str, LawNumber]) -> FrictionAsked | None:
-    """Return friction at the conditions at which it was asked for; None where it was not."""
+    """Return friction at the user's target conditions; None without such conditions."""
     question, judged = answer.question, answer.judged
     if question.target is None:
         return None
@@ -354,7 +354,7 @@ def _asked_for(answer: Answer, law: Mapping[str, LawNumber]) -> FrictionAsked | 
 
 
 def _in_model(recording: Recording) -> str | None:
-    """Return what the machine's model calls the joint; None without one, or of no joint."""
+    """Return the joint's name in the machine's model; None without a model or a joint."""
     robot = recording.rig.robot
     if robot is None or recording.axis is None:
         return None

@@ -1,4 +1,4 @@
-"""The law before and after the causes, refitted without the windows that are held out."""
+"""The law without and with the causes (two arms), refitted without the held-out windows."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,21 +18,22 @@ from bayesfric.physics.friction import Coefficients
 
 @dataclass(frozen=True)
 class Fitted:
-    """One arm, fitted to some windows.
+    """One arm, fitted to a subset of the windows.
 
     Parameters
     ----------
     local : ndarray, shape (sizes, q)
         Local numbers.
     chance2 : ndarray, shape (R,)
-        Mean square that chance leaves in each window, friction's scatter included [N²].
+        Expected square of each window's residual if the law is correct, including the scatter of
+        friction [N²].
     spread : ndarray, shape (sizes, q, k)
         Columns whose outer product is the covariance of the local numbers.
     refit : Refit or None
-        How the law follows the windows; None where it does not.
+        How the law is refitted to the windows; None if it is not refitted.
     further : ndarray
-        Forces of unit variance that the numbers beside the law are uncertain by, and with them
-        the law, in each window, (R, k) [N].
+        Force in each window of one posterior standard deviation of the other numbers,
+        (R, k) [N].
     """
 
     local: Array
@@ -49,15 +50,15 @@ class Arms:
     Parameters
     ----------
     plain : LinearModel
-        Without discrepancy; its candidates are the causes.
+        Model without discrepancy; its candidates are the causes.
     model : LinearModel
-        With discrepancy, around the same reference law.
+        Model with discrepancy, around the same reference law.
     psi : ndarray
-        Logarithms of the noise.
+        Logarithms of the noise parameters.
     causes : Acting
-        The causes, by the laws of both models.
+        The causes, with laws of both models.
     shipped : mapping of str to Coefficients, or None
-        Published values of every size, if there are any.
+        The simulator's values for each size, if there are any.
     """
 
     plain: LinearModel
@@ -73,14 +74,14 @@ class Arms:
         return np.asarray(windows.columns[:, own] @ self.plain.mixing(acting))
 
     def with_discrepancy(self, residuals: Residuals, sets: Sequence[Flags]) -> LinearModel:
-        """Return the model with discrepancy from which the causes are known.
+        """Return the model with discrepancy in which the amplitudes of the causes are estimated.
 
         Parameters
         ----------
         residuals : Residuals
             Windows of `plain`.
         sets : sequence of ndarray of bool, shape (R,)
-            Windows that are to be left out together; whole assemblies can be besides.
+            Windows that are left out together; single assemblies can be left out in any case.
         """
         first = np.unique(residuals.trial, return_index=True)[1]
         gone = [np.bincount(residuals.trial, windows) > 0 for windows in sets]
@@ -91,10 +92,10 @@ class Arms:
         return self.model.around(self.model.laws, self.plain.candidates, together=of_rigs)
 
     def fitted(self, beside: LinearModel, residuals: Residuals, out: Flags) -> tuple[Fitted, ...]:
-        """Return the arms as shipped, before and after, without the windows that are left out.
+        """Return the arms as shipped, before and after, fitted without the windows in `out`.
 
-        The law is recalibrated before and after alike; after, with the causes as they are
-        known (:meth:`with_discrepancy`) without the trials of the windows that are left out.
+        The law is recalibrated in both arms. The amplitudes of the causes in the arm `after` are
+        those of :meth:`with_discrepancy`, without the trials of these windows.
         """
         used = used_of(beside, residuals, out) if out.any() else None
         before = self._refitted(beside, Acting(), residuals, out, used)
@@ -113,7 +114,7 @@ class Arms:
 
     @property
     def _clocks(self) -> list[int]:
-        """Places of the local numbers that are errors of clocks."""
+        """Positions of the clock errors among the local numbers."""
         start, places = self.plain.layout.local - sum(self.plain.layout.nuisances), []
         for rig, own in zip(self.plain.rigs, self.plain.layout.nuisances, strict=True):
             places += [start + place for place in rig.rows.clock_nuisances]
@@ -121,7 +122,7 @@ class Arms:
         return places
 
     def like_clocks(self, windows: Residuals) -> bool:
-        """Return whether clocks that differ do all that the causes do, in windows of `plain`."""
+        """Return whether clock errors can make the whole force of the causes in the windows."""
         if not self._clocks or not self.causes.laws:
             return False
         root = np.sqrt(windows.weight)[:, None]
@@ -131,10 +132,10 @@ class Arms:
         return bool(np.all((left**2).sum(axis=0) < RULES.alike_clocks * (done**2).sum(axis=0)))
 
     def _with_clocks_of(self, before: Fitted, after: Fitted, residuals: Residuals) -> Fitted:
-        """Return the law before, recalibrated with clocks as they are known beside the causes.
+        """Return the arm `before`, with the clock errors as estimated together with the causes.
 
-        A late drive looks like clocks that differ: without the cause they would have its force,
-        which no simulator leaves out by being recalibrated.
+        A late drive looks like a difference between clocks. Without the cause, the clock errors
+        would absorb its force, but recalibrating a simulator does not.
         """
         places = self._clocks
         if not places:
@@ -157,7 +158,7 @@ class Arms:
         layout, plain = beside.layout, self.plain.layout
 
         def held(numbers: Array) -> Array:
-            """Return local numbers of the plain model, those of the law left at zero."""
+            """Return the local numbers of the plain model, with zero coefficients of the law."""
             spread_out = spread_numbers(beside, numbers, mixing)
             local = np.zeros((*spread_out.shape[:-1], plain.local))
             effects = spread_out[..., layout.own : layout.own + layout.candidates]
@@ -167,7 +168,7 @@ class Arms:
             return local
 
         refit = refit_of(self.plain, residuals, ~out)
-        # What effects and nuisances are uncertain by, in columns of unit variance.
+        # Columns of a root of the covariance of effects and nuisances.
         shared = slice(layout.own * len(layout.sizes), None)
         root = root_of(at.covariance[shared, shared])
         numbers = np.zeros((len(root), at.mean.size))

@@ -1,4 +1,4 @@
-"""A hypothesis' numbers beside effects whose shapes nobody knows, drawn together with these."""
+"""Joint draws of a hypothesis' numbers and of the unknown shapes of its effects."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -17,7 +17,7 @@ from bayesfric.effects.candidates import is_positive
 from bayesfric.inference.information import Information
 
 MEANS = 5  # shapes at which the mean of a hypothesis' numbers is computed
-ROUNDS = 4  # of a grid of shapes, each finer than the one before
+ROUNDS = 4  # refinements of the grid of shapes
 OUTERMOST = 2.4  # normal quantile of a shape
 
 
@@ -29,7 +29,7 @@ def numbers_at_shapes(
     drawn: Array,
     rng: np.random.Generator,
 ) -> tuple[Array, list[Array]]:
-    """Return draws of a hypothesis' numbers, moved to shapes that are drawn with them.
+    """Return draws of a hypothesis' numbers, moved to shapes that are drawn jointly.
 
     Numbers that are drawn at the best shape move as their mean moves with the shape: the torque
     of a weight and the offset depend on the unknown angle of its lever. The mean is conditional
@@ -52,11 +52,11 @@ def numbers_at_shapes(
     -------
     numbers : ndarray, shape (S, p)
     shapes : list of ndarray, shape (S,) or (0,)
-        Of each effect with columns, as normal quantiles; empty of one without a shape.
+        Of each effect with columns, as normal quantiles; empty for a law without a shape.
     """
     acting, psi = weighed.acting, weighed.at.psi
     places = [place for law in acting.laws for place in law.places]
-    said = model.said_of(psi, places, acting.phases)
+    said = model.information_on(psi, places, acting.phases)
     given = _Given(model, weighed, wide, forms, drawn)
 
     def at(column: int, quantile: float) -> tuple[Array, Array]:
@@ -84,7 +84,7 @@ def numbers_at_shapes(
 
 
 class _Given:
-    """The law and the amplitudes, given draws of the small terms, whose sizes are drawn."""
+    """Conditional law and amplitudes, given draws of the small terms and of their sizes."""
 
     def __init__(
         self,
@@ -106,7 +106,7 @@ class _Given:
         self._around[:, self.rest] = mean[self.rest]
 
     def at(self, information: Information) -> tuple[Array, Array]:
-        """Return their means, (S, r), and the log evidence but for a constant, (S,)."""
+        """Return conditional means, (S, r), and the log evidence up to a constant, (S,)."""
         rest, sd = self.rest, self._sd
         pulled = self._around @ information.precision
         density = self._around @ information.slope - 0.5 * (pulled * self._around).sum(axis=1)
@@ -126,7 +126,7 @@ class _Given:
 def _drawn_shapes(
     log_evidence: Callable[[float], Array], best: float, rng: np.random.Generator
 ) -> Array:
-    """Draw a shape for each draw of the small terms, (S,), by log evidences at a shape, (S,)."""
+    """Draw a shape for each draw of the small terms, (S,), from log evidences of shapes."""
     centre, width = best, 2.0
     for _ in range(ROUNDS):
         grid = np.clip(centre + width * np.linspace(-1, 1, 41), -OUTERMOST, OUTERMOST)

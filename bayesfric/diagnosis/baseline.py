@@ -1,4 +1,4 @@
-"""Which trials are diagnosed, and the law that is fitted to them before any effect acts."""
+"""The trials that are diagnosed, and the law fitted to them without effects."""
 
 from collections.abc import Callable, Mapping
 
@@ -21,7 +21,7 @@ from bayesfric.simulators import SimulatorCalls
 def data_of(
     recording: Recording, baseline: str, simulator: SimulatorCalls | None
 ) -> tuple[Data, FrictionLaw]:
-    """Return the trials that enter a diagnosis, and the law by its name.
+    """Return the trials that a diagnosis uses, and the law of the given name.
 
     Raises
     ------
@@ -50,18 +50,18 @@ def fitted_baseline(
     law: FrictionLaw,
     climb: Callable[..., At] = climb,
 ) -> tuple[Data, tuple[str, ...], dict[str, Coefficients], Array]:
-    """Fit the law, leave out trials that stray, and fit again, by climbing as asked.
+    """Fit the law, exclude stray trials, and fit again; `climb` finds the mode.
 
     Returns
     -------
     data : Data
-        Without strays.
+        Trials without strays.
     stray : tuple of str
-        Their ids.
+        Ids of the strays.
     laws : dict of str to Coefficients
-        Of each size.
+        The fitted law of each pulley size.
     psi : ndarray
-        Logarithms of the noise.
+        Logarithms of the noise parameters.
     """
     laws = _rough_laws(data, analysis, law)
     for size, own in shipped.items():
@@ -89,7 +89,7 @@ def fitted_baseline(
 
 
 def _rough_laws(data: Data, analysis: Analysis, law: FrictionLaw) -> dict[str, Coefficients]:
-    """Return laws by plain least squares, without what the law lacks."""
+    """Return starting values of the laws from the rigs' likelihoods, without effects."""
     start: dict[str, float] = {}
     for rig in reversed(data.rigs):
         start |= rig.likelihood(analysis, law).start()

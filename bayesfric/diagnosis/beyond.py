@@ -1,4 +1,4 @@
-"""Priors of amplitudes that are too tight, which would name a second effect, and wider ones.
+"""Widens priors of amplitudes that are so tight that they would make a second effect a cause.
 
 The evidence of a hypothesis falls with the squared distance of an amplitude from the centre of its
 prior. If a second effect has nearly the same response, both effects together need smaller
@@ -28,19 +28,18 @@ from bayesfric.inference.priors import describe
 
 
 def too_tight(question: Question, compared: Compared, judged: Judged) -> tuple[str, ...]:
-    """Return the effects whose priors alone may have named a cause.
+    """Return the effects whose tight priors may be the only reason for a cause.
 
-    They are those of a hypothesis that lacks a cause, in which their amplitudes lie beyond
-    their priors, and which is not surely less likely than the best with all causes once these
-    priors are wide; and those that lie beyond in that best one. A prior that the user stated
-    stands.
+    The amplitude of such an effect is beyond its prior in the best hypothesis with all causes,
+    or in a hypothesis without one of them that could be as likely with wider priors. Priors
+    that the user stated are not changed.
 
     Parameters
     ----------
     question : Question
         What is asked.
     compared : Compared
-        Hypotheses, with these priors.
+        Hypotheses, compared with the present priors.
     judged : Judged
         Which effects are causes.
     """
@@ -59,7 +58,7 @@ def too_tight(question: Question, compared: Compared, judged: Judged) -> tuple[s
 
 
 def with_wider_priors(question: Question, names: Collection[str], judged: Judged) -> Question:
-    """Return the question with wider priors of some effects, and a remark that says so.
+    """Return the question with wider priors of the named effects, and a remark about it.
 
     Parameters
     ----------
@@ -68,7 +67,7 @@ def with_wider_priors(question: Question, names: Collection[str], judged: Judged
     names : collection of str
         Effects, as of :func:`too_tight`.
     judged : Judged
-        Which effects are causes with the priors as they are.
+        Effects, sorted with the present priors.
     """
     causes = " and ".join(judged.named)
     examined, remarks = dict(question.examined), list(question.remarks)
@@ -95,7 +94,7 @@ def _remark(effect: Effect, causes: str) -> str:
 def _of_rivals(
     model: LinearModel, search: Search, named: Hypothesis, stated: Collection[str]
 ) -> set[str]:
-    """Return effects beyond their priors, of hypotheses without a cause that may be as likely."""
+    """Return effects beyond their priors in hypotheses that lack a cause and may be as likely."""
     weighed = search.weighed.values()
     standing = [rival for rival in weighed if named <= rival.hypothesis]
     if not standing:
@@ -110,7 +109,7 @@ def _of_rivals(
         if not named <= rival.hypothesis:
             names, gain = _gained(model, rival, noise, stated)
             if names and search.worth(rival) + gain >= least:
-                # A cause that lies beyond its own prior is not to lose by that.
+                # A cause beyond its own prior must not lose evidence by that.
                 tight |= names | of_best
     return tight
 
@@ -118,10 +117,10 @@ def _of_rivals(
 def _gained(
     model: LinearModel, weighed: Weighed, noise: Array, stated: Collection[str]
 ) -> tuple[set[str], float]:
-    """Return which amplitudes lie beyond their priors, and what wide ones add to the evidence.
+    """Return effects beyond their priors, and the gain in log evidence by wider priors.
 
-    At the noise of the hypothesis or, where scatter has taken up what the priors kept from the
-    effects, at another noise.
+    The noise parameters are those of the hypothesis, or `noise` if that is better: scatter may
+    have absorbed what the tight priors kept from the effects.
     """
     beyond = np.array(_beyond(model, weighed, stated), dtype=bool)
     if not beyond.any():
@@ -141,7 +140,7 @@ def _gained(
 
 
 def _beyond(model: LinearModel, weighed: Weighed, stated: Collection[str]) -> list[bool]:
-    """Return of each law with a column whether its amplitude lies beyond its prior."""
+    """Return for each law with a column whether its amplitude is beyond its prior."""
     means = weighed.at.mean[model.places(len(weighed.acting.laws))]
     beyond = []
     for law, mean in zip(weighed.acting.laws, means, strict=True):
@@ -153,5 +152,5 @@ def _beyond(model: LinearModel, weighed: Weighed, stated: Collection[str]) -> li
 
 
 def _has_width(prior: Prior) -> bool:
-    """Return whether a prior can be made wider around the same centre, in the same unit."""
+    """Return whether a prior has a width that can be increased around the same centre."""
     return prior.width is not None and not isinstance(prior, LogNormal)

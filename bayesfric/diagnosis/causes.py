@@ -1,4 +1,4 @@
-"""Effects as they are reported: how large each is, how certain, and whether it is plausible."""
+"""Effects as they are reported: size, probability, and whether the size is plausible."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -28,12 +28,12 @@ FORCES = re.compile("^(N|kg)")
 def known_of(
     model: LinearModel, search: Search, posterior: Posterior, practical: float
 ) -> list[KnownEffect]:
-    """Return what is known of each effect that was weighed, the most probable first.
+    """Return probability and strength of each evaluated effect, the most probable first.
 
     Parameters
     ----------
     model : LinearModel
-        In which hypotheses were compared.
+        The model in which the hypotheses were compared.
     search : Search
         The hypotheses.
     posterior : Posterior
@@ -67,7 +67,7 @@ def known_of(
 def inclusion_of(
     effects_known: Sequence[KnownEffect], posterior: Posterior, practical: float
 ) -> tuple[Inclusion, ...]:
-    """Return what is known of each effect, as it is stored."""
+    """Return probability and strength of each effect in the form that is stored."""
     rows = []
     for effect in effects_known:
         strength = posterior.strengths.get(effect.effect)
@@ -89,13 +89,13 @@ def inclusion_of(
 def implausible(
     names: Sequence[str], model: LinearModel, search: Search, posterior: Posterior
 ) -> list[str]:
-    """Return the effects whose amplitude, or a wave's period, lies outside of what is plausible.
+    """Return the effects whose amplitude, or whose period, is outside the plausible range.
 
     Parameters
     ----------
     names : sequence of str
-        Effects that some weighed hypothesis has.
-    model, search, posterior
+        Effects of any evaluated hypothesis.
+        model, search, posterior
         As of :func:`known_of`.
     """
     beyond = []
@@ -118,7 +118,7 @@ def _law_of(name: str, best: Weighed) -> Law:
 
 
 def _effect_of(name: str, model: LinearModel, search: Search) -> Effect:
-    """Return an effect by the law that it has in the best hypothesis with it: maybe a twin's."""
+    """Return the effect whose law stands for `name` in the best hypothesis (maybe a twin's)."""
     best = _best_with(name, search)
     if best is None:
         return model.analysed(name)
@@ -126,9 +126,9 @@ def _effect_of(name: str, model: LinearModel, search: Search) -> Effect:
 
 
 def _is_no_period(effect: Effect, shape: Array) -> bool:
-    """Return whether a wave is longer than the part of the travel that a period may be.
+    """Return whether a wave's period is longer than the plausible part of the travel.
 
-    With a spring beside it such a wave is any curve along the path.
+    Together with a spring, such a wave can describe any curve along the path.
     """
     if effect.shape is None or "period" not in effect.needs or not shape.size:
         return False
@@ -149,7 +149,7 @@ def causes_of(
     floor: float,
     check: Callable[[Weighed | Unknown], Checked],
 ) -> tuple[Cause, ...]:
-    """Return what is to be said of some effects.
+    """Return the stored entries of effects.
 
     Parameters
     ----------
@@ -158,9 +158,9 @@ def causes_of(
     model, search, posterior, practical
         As of :func:`known_of`.
     floor : float
-        Rms of scatter over rms friction.
+        Rms of scatter, relative to rms friction.
     check : callable
-        Of a hypothesis to what importance draws say of its evidence.
+        Function of a hypothesis that returns the check of its evidence by importance draws.
     """
     chances = inclusion(search)
     causes = []
@@ -202,8 +202,8 @@ def causes_of(
 def _parameters(
     name: str, effect: Effect, amplitude: Array, shape: Array | None
 ) -> dict[str, EffectNumber]:
-    """Return the parameters of a cause, of these draws."""
-    # The law may be a twin's, which this rig does not tell apart: so are its parameters.
+    """Return the parameters of a cause, summarised from draws."""
+    # The law may be that of a twin that this rig cannot distinguish; so are the parameters.
     whose = "" if effect.name == name else f"{effect.name}."
     parameters = {whose + effect.amplitude.name: _number(effect.amplitude, amplitude)}
     if effect.shape is not None and shape is not None and shape.size:
@@ -212,7 +212,7 @@ def _parameters(
 
 
 def _best_without(name: str, search: Search) -> Weighed | Unknown:
-    """Return the hypothesis without an effect that the data favour most."""
+    """Return the hypothesis with the largest evidence among those without an effect."""
     rivals: list[Weighed | Unknown] = [
         weighed for weighed in search.weighed.values() if name not in weighed.names
     ]
@@ -222,7 +222,7 @@ def _best_without(name: str, search: Search) -> Weighed | Unknown:
 
 
 def _standard(count: int) -> Array:
-    """Return numbers that are spread as a standard normal is, in no order, (count,)."""
+    """Return quantiles of a standard normal in a fixed random order, (count,)."""
     if count == 0:
         return np.zeros(0)
     spread = ndtri((np.arange(count) + 0.5) / count)

@@ -13,9 +13,10 @@ def redrawn(residuals: Residuals, count: int, rng: np.random.Generator) -> Array
     Parameters
     ----------
     residuals : Residuals
-        For the covariances of measurement and wander, and the scatter of trials and assemblies.
+        Contains the covariances of measurement and wander, and the scatter of trials and
+        assemblies.
     count : int
-        Draws.
+        Number of draws.
     rng : Generator
         Source of randomness.
     """

@@ -22,22 +22,22 @@ from bayesfric.inference.proposals import StudentT
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
 DRAWS = 64
-FREEDOM, INFLATION = 5.0, 1.3  # of the Student-t that is drawn from, and of its covariance
-LEAST_CURVATURE = 8.0  # curvature by the logarithm of a noise that the data tell to a third
+FREEDOM, INFLATION = 5.0, 1.3  # of the Student-t proposal: degrees of freedom, width
+LEAST_CURVATURE = 8.0  # of a log noise parameter that the data determine to a third
 
 
 @dataclass(frozen=True)
 class Checked:
-    """What importance draws say of a Laplace approximation.
+    """Check of a Laplace approximation by importance draws.
 
     Parameters
     ----------
     off : float
-        Log integral over the noise less that of the approximation.
+        Log integral over the noise parameters minus its Laplace approximation.
     error : float
-        Standard error of it.
+        Standard error of `off`.
     pareto_k : float
-        Of the weights.
+        Pareto k of the importance weights.
     """
 
     off: float
@@ -48,16 +48,16 @@ class Checked:
 def noise_checked(
     model: LinearModel, search: Search, hypothesis: Weighed | Unknown, rng: np.random.Generator
 ) -> Checked:
-    """Draw the noise of a hypothesis around its mode.
+    """Check the Laplace integral over a hypothesis' noise by draws around its mode.
 
     Parameters
     ----------
     model : LinearModel
-        In which hypotheses were compared.
+        The model in which the hypotheses were compared.
     search : Search
-        For the volume of the noise that stands for others.
+        Contains the noise volume that hypotheses without their own use.
     hypothesis : Weighed or Unknown
-        The hypothesis; its laws, shapes and forms are held, and how wide a force is.
+        The hypothesis; its laws, shapes, forms and the rms of its unknown force are fixed.
     rng : Generator
         Source of randomness.
     """
@@ -77,9 +77,10 @@ def noise_checked(
         return own.evaluate(psi, hypothesis.acting, None, forms).value
 
     mode = hypothesis.at.psi
-    # What the data hardly tell is far from normal in any hypothesis, alike, and is held.
+    # Parameters that the data hardly determine are far from normal in every hypothesis alike,
+    # and are held fixed.
     drawn = np.flatnonzero((np.diag(curvature) > LEAST_CURVATURE) & ~at_bounds(model, mode))
-    # Of its own noise, where another hypothesis' volume stood for it.
+    # Corrects for the use of another hypothesis' noise volume.
     noise = slice(len(model.noise))
     stood_for = log_volume(curvature[noise, noise]) - volume
     if drawn.size == 0:
@@ -100,12 +101,12 @@ def noise_checked(
 
 
 def factor_error(first: Checked, other: Checked) -> tuple[float | None, str | None]:
-    """Return the error of the log of a Bayes factor, or why the draws do not tell it.
+    """Return the error of the log of a Bayes factor, or why the draws cannot give it.
 
     Parameters
     ----------
     first, other : Checked
-        Of both hypotheses; what their approximations have in common cancels.
+        Checks of both hypotheses; common errors of the approximations cancel.
     """
     worst = float(np.max([first.pareto_k, other.pareto_k]))
     if not worst <= SAMPLING_RULES.pareto_k:  # not a number where one draw has all the weight

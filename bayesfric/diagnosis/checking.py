@@ -1,4 +1,4 @@
-"""A diagnosis looked at before it is written: what breaks an invariant is no finding."""
+"""Checks the invariants of a diagnosis before it is written."""
 
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.model import LinearModel
@@ -8,11 +8,11 @@ from bayesfric.observation.scatter import kept_normal
 from bayesfric.schemas import DiagnosisFile
 
 
-def looked_at(summary: DiagnosisFile) -> DiagnosisFile:
-    """Return a diagnosis with what must hold of it, and no verdict where something does not.
+def checked_diagnosis(summary: DiagnosisFile) -> DiagnosisFile:
+    """Return the diagnosis; if it violates an invariant, with the verdict `undecided`.
 
-    A result that contradicts itself comes of a fault of the computation. It is told as that:
-    the verdict is undecided, and its causes are those that were considered.
+    A result that contradicts itself shows a fault of the computation. It is reported as such,
+    and its causes are listed as considered.
     """
     checks = check_record(summary.model_dump(mode="json", by_alias=True))
     faults = broken(checks)
@@ -36,8 +36,8 @@ def looked_at(summary: DiagnosisFile) -> DiagnosisFile:
     )
 
 
-def not_followed(analysis: Analysis, model: LinearModel) -> tuple[str, ...]:
-    """Return, in sentences, the settings of scatter that a diagnosis does not follow."""
+def ignored_scatter_settings(analysis: Analysis, model: LinearModel) -> tuple[str, ...]:
+    """Return a sentence for each setting of scatter that a diagnosis ignores."""
     lines: list[str] = []
     for trials, rig in zip(model.data.rigs, model.rigs, strict=True):
         heavy = heavy_scatter(rig)

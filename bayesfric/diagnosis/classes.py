@@ -1,4 +1,4 @@
-"""Which effects the data can distinguish at all: by rank, before any evidence."""
+"""Which effects these data can distinguish, from their responses alone."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,28 +16,28 @@ from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.rigs.base import Unsupported
 from bayesfric.schemas.causes import Absorbed
 
-INNER = 1.0  # shapes so near the middle of their prior must have a double
+INNER = 1.0  # normal quantile; shapes nearer to the prior's middle must have an equal
 BY_THE_RIG = "it only shifts what is the rig's own, as a difference of its clocks"
 FINE = np.linspace(SHAPE_NODES[0], SHAPE_NODES[-1], 241)
 
 
 @dataclass(frozen=True)
 class Classes:
-    """Effects that enter, in classes of what is identical here, and those that do not.
+    """Effects in classes that are identical in these data, and effects that are not examined.
 
     Parameters
     ----------
     members : tuple of tuple of str
         Effects of each class.
     absorbed : tuple of Absorbed
-        What only moves the baseline.
+        Effects that a change of the baseline's coefficients absorbs.
     left_out : dict of str to str
         Other effects, with the reason.
     odds : mapping of str to float
-        Prior odds of classes, by their first effect, that are likelier than others.
+        Prior odds of classes that are more likely than others, by their first effect.
     ladders : mapping of str to str
-        Ladders of classes, by their first effect, of those that are a rung of one: no two rungs of
-        a ladder act together.
+        Ladder (set of alternatives) of a class, by its first effect. Two effects of a ladder
+        never act together.
     """
 
     members: tuple[tuple[str, ...], ...]
@@ -47,7 +47,7 @@ class Classes:
     ladders: Mapping[str, str] = field(default_factory=dict)
 
     def log_prior_among(self, names: Collection[str]) -> float:
-        """Return the log prior that these act, of all sets of as many classes that may."""
+        """Return the log prior of these classes among all allowed sets of equal size."""
         own = [self.odds.get(name, 1.0) for name in names]
         return float(np.log(np.prod(own)) - np.log(self._products[len(names)]))
 
@@ -55,8 +55,8 @@ class Classes:
     def _products(self) -> Array:
         """Sums of the products of odds over all sets of n classes that may act together, by n.
 
-        They are coefficients of a product of polynomials: 1 + odds x of a class, and of a ladder,
-        of which one rung acts at most, 1 + (sum of odds) x.
+        They are coefficients of a product of polynomials: 1 + odds x for a class, and
+        1 + (sum of odds) x for a ladder, of which one class acts at most.
         """
         odds: dict[str, float] = {}
         for own in self.members:
@@ -68,12 +68,12 @@ class Classes:
         return products
 
     def may_act_together(self, names: Sequence[str]) -> bool:
-        """Return whether no two effects are rungs of one ladder."""
+        """Return whether no two effects belong to the same ladder."""
         ladders = [self.ladders[name] for name in names if name in self.ladders]
         return len(set(ladders)) == len(ladders)
 
     def other_rungs(self, names: Sequence[str]) -> list[tuple[str, ...]]:
-        """Return effects that act with another rung in the place of one of theirs, each sorted."""
+        """Return the sets in which one effect is replaced by another of its ladder, each sorted."""
         return [
             tuple(sorted(other if name == rung else name for name in names))
             for rung in names
@@ -83,22 +83,22 @@ class Classes:
 
 
 def classes_of(model: LinearModel, psi: Array) -> Classes:
-    """Sort the effects by what the boards could show of them.
+    """Sort the effects into classes that the data can distinguish.
 
     Parameters
     ----------
     model : LinearModel
-        The boards.
+        The linear model of all rigs.
     psi : ndarray
-        Logarithms of the noise.
+        Logarithms of the noise parameters.
     """
     names = {name: [p for law in laws for p in law.places] for name, laws in model.lawbook.items()}
     columns = tuple(place for place, c in enumerate(model.candidates) if not c.effect.components)
-    information = model.said_of(psi, columns)
+    information = model.information_on(psi, columns)
     mean, sd = model.prior([model.candidates[p].effect.amplitude.prior for p in columns])
     places = model.places(len(columns))
-    # The coefficients are left free here: what they can take is not the effect's to show.
-    # There is no discrepancy either: what is identical is so whatever it takes up.
+    # The coefficients are free, because the data cannot show what they can absorb. There is no
+    # discrepancy: identical responses are identical with any discrepancy.
     free = sd.copy()
     first = slice(places[0] if places.size else None)
     free[first] = np.where(_is_coefficient(model) & (sd[first] > 0), 1e3 * sd[first], 0.0)
@@ -131,7 +131,7 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
         else:
             entering.append(name)
     direction = reduced.precision / np.sqrt(np.outer(felt, felt).clip(1e-300))
-    chosen = _told_apart(
+    chosen = _in_classes(
         entering, lambda name, first: _alias(model, names, columns, direction, name, first)
     )
     odds = {own[0]: max(_odds(model, names[name]) for name in own) for own in chosen}
@@ -141,10 +141,10 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     return Classes(chosen, tuple(absorbed), left_out, likelier, rungs)
 
 
-def _told_apart(
+def _in_classes(
     names: Sequence[str], alike: Callable[[str, str], bool]
 ) -> tuple[tuple[str, ...], ...]:
-    """Return names in classes, whose members are like the first of each."""
+    """Return names in classes; all members are like the first one."""
     members: list[list[str]] = []
     for name in names:
         own = next((others for others in members if alike(name, others[0])), None)
@@ -160,7 +160,7 @@ def _odds(model: LinearModel, places: Sequence[int]) -> float:
 
 
 def _absent(model: LinearModel, place: int) -> str:
-    """Return why nothing of an effect shows: no rig here can, or it does not matter."""
+    """Return why an effect cannot show: no rig can show it, or it is too small."""
     reasons = [rig.rows.relative_force(model.candidates[place]) for rig in model.rigs]
     unsupported = [reason.reason for reason in reasons if isinstance(reason, Unsupported)]
     if len(unsupported) == len(reasons):
@@ -183,9 +183,9 @@ def _phases_felt(model: LinearModel, own: Sequence[int]) -> bool:
 def _absorbed(
     model: LinearModel, information: Information, sd: Array, place: int, name: str
 ) -> Absorbed | None:
-    """Return where the coefficients go that make good for one sd of an effect.
+    """Return the change of the coefficients that replaces one prior sd of an effect.
 
-    None where no coefficient is free: what is the rig's own then takes it.
+    None if no coefficient is free: nuisances of the rig then absorb the effect.
     """
     count = model.layout.own * len(model.layout.sizes)
     inner = information.precision[:count, :count]
@@ -212,7 +212,7 @@ def _alias(
     first: str,
     other: str,
 ) -> bool:
-    """Return whether some law of one effect is some law of the other, whatever its shape."""
+    """Return whether a law of one effect equals a law of the other at every shape."""
     for law in _laws(model, names[first]):
         for rival in _laws(model, names[other]):
             mine = [columns.index(place) for place in law if place in columns]
@@ -237,14 +237,14 @@ def _laws(model: LinearModel, places: list[int]) -> list[list[int]]:
 def _doubled(
     mine: list[int], nodes: Array, theirs: list[int], rival_nodes: Array, direction: Array
 ) -> bool:
-    """Return whether each middling shape of one law has its double among the other's."""
+    """Return whether each inner shape of one law has an equal response among the other's."""
     inner, other = np.array(mine)[np.abs(nodes) <= INNER], np.array(theirs)
     if other.size == 1:
         return bool((np.abs(direction[inner, other[0]]) > RULES.effects_alike).all())
-    # Between the nodes the response is that of a spline through them.
+    # Between the nodes the response is interpolated by a spline.
     weights = scipy.interpolate.make_interp_spline(rival_nodes, np.eye(other.size), k=5)(FINE)
     across = direction[np.ix_(inner, other)] @ weights.T
     length = np.einsum("fi,ij,fj->f", weights, direction[np.ix_(other, other)], weights)
-    # Some shape may do nothing here, or less than that by rounding.
+    # The response of a shape may be zero, or slightly negative by rounding.
     cosine = np.abs(across) / np.sqrt(np.where(length > 0, length, np.inf)).clip(1e-150)
     return bool((cosine.max(axis=1) > RULES.effects_alike).all())

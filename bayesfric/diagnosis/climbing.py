@@ -12,11 +12,11 @@ from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.inference.symmetric import eigen_of
 
-STEP = 0.005  # of a logarithm, for differences of the gradient
-LONGEST = 1.0  # step of a logarithm in a climb
-ENOUGH = 0.02  # nat that a further step of a climb would gain
+STEP = 0.005  # of a log noise parameter, for finite differences of the gradient
+LONGEST = 1.0  # longest step of a log noise parameter
+ENOUGH = 0.02  # expected gain of a further step at which a climb ends [nat]
 STEPS = 30
-LEAST_CURVATURE = 0.05  # of a log density by the logarithm of a noise: it has a proper prior
+LEAST_CURVATURE = 0.05  # of a log density along a log noise parameter (its prior is proper)
 
 
 def climb(
@@ -27,7 +27,7 @@ def climb(
     form: Mapping[str, FormShare] | None = None,
     inverse: Array | None = None,
 ) -> At:
-    """Return a hypothesis at the mode of its noise, from a start.
+    """Climb from given noise parameters to their mode under a hypothesis.
 
     Parameters
     ----------
@@ -36,12 +36,12 @@ def climb(
     psi, acting, wide, form
         As of :meth:`~bayesfric.diagnosis.model.LinearModel.evaluate`.
     inverse : ndarray or None
-        A first guess of the inverse of the negative Hessian, of the noise at least.
+        A first guess of the inverse of the negative Hessian, at least for the noise.
     """
     low, high = _bounds(model, psi.size)
 
     def evaluated(psi: Array, above: float = -np.inf) -> At:
-        """Return the hypothesis at a noise, the weights of Student-t deviations at their mode."""
+        """Evaluate the hypothesis, with the weights of Student-t deviations at their mode."""
         nonlocal model
         psi = np.clip(psi, low, high)
         model = model.reweighted(psi, acting, wide, form)
@@ -71,7 +71,7 @@ def climb(
         else:
             break
         assert there.gradient is not None
-        # What is held at the end of its range tells nothing of the curvature of the rest.
+        # A parameter at its bound gives no information on the curvature of the others.
         change = np.where(free, at.gradient - there.gradient, 0.0)
         guess = _bfgs(guess, np.where(free, there.psi - at.psi, 0.0), change)
         at = there
@@ -79,7 +79,7 @@ def climb(
 
 
 def at_bounds(model: LinearModel, psi: Array) -> Flags:
-    """Return which logarithms of the noise a climb has left at the end of their range."""
+    """Return which log noise parameters are at a bound."""
     low, high = _bounds(model, psi.size)
     return np.asarray((psi <= low) | (psi >= high))
 
@@ -87,7 +87,7 @@ def at_bounds(model: LinearModel, psi: Array) -> Flags:
 def curvature_at(
     model: LinearModel, at: At, acting: Acting, form: Mapping[str, FormShare] | None = None
 ) -> Array:
-    """Return the negative Hessian of the log density by the noise, no direction flat."""
+    """Return the negative Hessian of the log density in the log noise, with no flat direction."""
 
     def gradient(psi: Array) -> Array:
         own = model.reweighted(psi, acting, None, form)

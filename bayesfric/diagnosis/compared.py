@@ -1,4 +1,4 @@
-"""Hypotheses compared around the baseline, and the best around the law of the leading one."""
+"""Compares hypotheses around the baseline, then the best around the law of the leading one."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -26,27 +26,27 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.hypothesis import NONE
 from bayesfric.rigs.data import Data
 
-ROUNDS = 4  # of linearising around the law that was fitted with the leader
+ROUNDS = 4  # linearisations around the law that was fitted with the leader
 
 
 @dataclass(frozen=True)
 class Compared:
-    """Hypotheses compared.
+    """The result of comparing hypotheses.
 
     Parameters
     ----------
     data : Data
-        Without trials that stray.
+        Trials without strays.
     stray : tuple of str
-        These trials, with the reason.
+        The stray trials, with the reason.
     psi : ndarray
-        Logarithms of the noise of the baseline alone.
+        Logarithms of the noise parameters of the baseline alone.
     baseline : LinearModel
-        Around the law that was fitted alone.
+        Model around the law that was fitted without effects.
     first : Search
-        Hypotheses in that model, where each effect was weighed.
+        Hypotheses in that model, which contains every effect.
     model : LinearModel
-        Around the law that was fitted with the leader.
+        Model around the law that was fitted with the leading hypothesis.
     search : Search
         The finalists in that model.
     """
@@ -61,16 +61,16 @@ class Compared:
 
 
 def compare_hypotheses(question: Question, keeping: Checkpoint) -> Compared:
-    """Compare all hypotheses; what takes long is kept.
+    """Compare all hypotheses; slow steps are stored in a checkpoint.
 
     Parameters
     ----------
     question : Question
-        What is asked.
+        The recording and what is asked of it.
     keeping : Checkpoint
-        Where.
+        Stores the slow steps.
     """
-    # Pieces with other priors have other names.
+    # Checkpoints with other priors have other names.
     wide = "".join(f"{name}-" for name in question.widened)
     climbing = keeping.keep_each_call(f"{wide}climb", At, climb)
     steps = Steps(
@@ -99,7 +99,7 @@ def compare_hypotheses(question: Question, keeping: Checkpoint) -> Compared:
 
 
 def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:
-    """Evaluate hypotheses around the baseline."""
+    """Evaluate all hypotheses around the baseline."""
     classes = classes_of(model, at.psi)
     model.merge(classes.members)
     curvature = curvature_at(model, at, Acting())
@@ -112,7 +112,7 @@ def _finals(first: LinearModel, searched: Search, steps: Steps) -> tuple[LinearM
     """Compare the finalists in one model, around the law fitted with the leading hypothesis."""
     model = first
     if searched.probabilities().get(NONE, 0.0) > RULES.sure:
-        # No effect is large enough to change the law, and all were compared in one model.
+        # No effect is large enough to change the law: the first comparison stands.
         return _with_best_weights(model, searched), searched
     for _ in range(ROUNDS):
         leader = searched.best()
@@ -135,13 +135,13 @@ def _finals(first: LinearModel, searched: Search, steps: Steps) -> tuple[LinearM
 
 
 def _with_best_weights(model: LinearModel, searched: Search) -> LinearModel:
-    """Return the model with the weights that Student-t deviations have beside the best."""
+    """Return the model with the weights of Student-t deviations under the best hypothesis."""
     best = searched.best()
     return model.reweighted(best.at.psi, best.acting, None, best.forms)
 
 
 def _acting_once(model: LinearModel, searched: Search) -> list[tuple[Candidate, float]]:
-    """Return each effect of the likeliest hypotheses, as the best with it has it."""
+    """Return each effect of the likeliest hypotheses, as in the best hypothesis with it."""
     ranked = sorted(searched.weighed.values(), key=lambda weighed: -searched.worth(weighed))
     top = searched.worth(ranked[0])
     acting: dict[str, tuple[Candidate, float]] = {}

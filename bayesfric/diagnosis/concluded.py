@@ -1,4 +1,4 @@
-"""From judged hypotheses to a verdict: held-out data, what they overrule, what is left."""
+"""The verdict, from judged hypotheses, held-out data and objections to the causes."""
 
 from dataclasses import dataclass
 from itertools import chain
@@ -12,15 +12,15 @@ from bayesfric.diagnosis.compared import Compared
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.instrumental import not_held, why_bent, why_unsettled
+from bayesfric.diagnosis.instrumental import why_bent, why_unconfirmed, why_unsettled
 from bayesfric.diagnosis.judging import Judged
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
 from bayesfric.diagnosis.overruling import (
     Overruled,
+    accounts_for_residual,
     density_of,
     overruled,
-    tells_what_is_left,
     why_beyond_rivals,
     why_overruled,
 )
@@ -41,16 +41,16 @@ from bayesfric.schemas.instrument import Instrument
 
 @dataclass(frozen=True)
 class Measured:
-    """The gap on data that are held out.
+    """The gap on held-out data.
 
     Parameters
     ----------
     held_out : HeldOut
-        Before and after, fold by fold.
+        Residuals without and with the causes, fold by fold.
     gap : Gap
-        As it is stored.
+        The gap in the form that is stored.
     left : ndarray or None
-        Draws of what the causes leave of its square, where that is of practical size.
+        Draws of the part of the squared gap that the causes leave, if it is of practical size.
     """
 
     held_out: HeldOut
@@ -67,20 +67,20 @@ def measure(
     bootstrap: np.random.Generator,
     blocks: np.random.Generator,
 ) -> Measured:
-    """Return the gap on data that are held out, before and after the causes are added.
+    """Return the gap on held-out data, without and with the causes.
 
     Parameters
     ----------
     question : Question
-        What is asked.
+        The recording and what is asked of it.
     compared : Compared
         The hypotheses.
     judged : Judged
         Which effects are causes.
     keeping : Checkpoint
-        Where what takes long is kept.
+        Stores the slow steps.
     folds, bootstrap, blocks : Generator
-        Sources of randomness: of folds, of intervals, and of blocks that are left out.
+        Sources of randomness for folds, for intervals, and for left-out blocks.
     """
     arms, plain, residuals = judged.arms, judged.plain, judged.residuals
     held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, folds))
@@ -105,22 +105,22 @@ def measure(
 
 @dataclass(frozen=True)
 class Objections:
-    """What speaks against the causes.
+    """Objections to the causes.
 
     Parameters
     ----------
     rivals : list of str
-        Effects of which one would be a cause.
+        Effects of which one is a cause, if there is no objection.
     held_out : str or None
-        By which rule held-out data contradict the causes; None where they do not.
+        The rule by which held-out data contradict the causes; None if they do not.
     loop : str or None
-        Why the loop may have made the causes; None where an instrument holds them.
+        Why the control loop may imitate the causes; None if an instrument confirms them.
     other_joints : bool
-        Whether other joints may pull so.
+        Whether forces of other joints may imitate the causes.
     amounts : ModelAmounts or None
-        How wrong the machine's model is.
+        Estimated errors of the machine's model.
     instrument : Instrument or str
-        The law by an instrument, or why there is none.
+        Estimates by an instrument, or why there are none.
     """
 
     rivals: list[str]
@@ -132,39 +132,40 @@ class Objections:
 
     @property
     def contradict(self) -> bool:
-        """Whether an unknown force takes the place of the causes."""
+        """Whether an unknown force replaces the causes."""
         return self.held_out is not None or self.other_joints
 
     @property
     def raised(self) -> bool:
-        """Whether the causes are only considered."""
+        """Whether any objection demotes the causes to considered effects."""
         return self.contradict or self.loop is not None
 
 
 @dataclass(frozen=True)
 class Conclusion:
-    """What is concluded of the effects, and by which rule.
+    """The verdict on the effects, and the rules behind it.
 
     Parameters
     ----------
     overruled : Overruled
-        Hypotheses and effects, once what held-out data contradict counts as an unknown force.
+        Hypotheses and effects after causes that held-out data contradict count as an unknown
+        force.
     objections : Objections
-        What speaks against the causes.
+        Objections to the causes.
     open_because : str or None
-        Why an unknown force is no finding, or causes stay open; None where neither is so.
+        Why an unknown force is not reported, or why causes stay open; None if neither is the case.
     together : tuple of tuple of str
         Sets of effects of which one acts.
     not_shown : str or None
         Why these data could not have shown a gap.
     unlike_scatter : str or None
-        What is left that scatter does not explain.
+        Description of a residual that scatter does not explain.
     remainder : Remainder
-        What the causes leave; of no cause, the unknown force.
+        What the causes leave; without causes, the unknown force.
     verdict : str
         As of :func:`~bayesfric.diagnosis.verdict.decide`.
     probability : float
-        Of it.
+        Probability of the verdict.
     """
 
     overruled: Overruled
@@ -179,7 +180,7 @@ class Conclusion:
 
     @property
     def contradicted(self) -> bool:
-        """Whether what would be a cause is only considered."""
+        """Whether the effects that would be causes are only considered."""
         return self.objections.raised
 
 
@@ -190,16 +191,16 @@ def conclude(
     measured: Measured,
     order: np.random.Generator,
 ) -> Conclusion:
-    """Return the verdict, once held-out data have been asked.
+    """Return the verdict after the check on held-out data.
 
     Parameters
     ----------
     question, compared, judged
         As of :func:`measure`.
     measured : Measured
-        The gap on data held out.
+        The gap on held-out data.
     order : Generator
-        Source of randomness of residuals in other orders.
+        Source of randomness for redrawn residuals.
     """
     model, practical = compared.model, question.practical
     gap_share = float(np.median(judged.posterior.gap)) / judged.residuals.friction_rms
@@ -244,12 +245,12 @@ def conclude(
 def _objections_to(
     question: Question, compared: Compared, judged: Judged, gap: Gap, remainder: Remainder
 ) -> Objections:
-    """Return what held-out data, other joints and the loop say against the causes."""
+    """Return the objections of held-out data, other joints and the control loop."""
     model, named = compared.model, judged.named
     best, rig = judged.search.best(), compared.data.rigs[0]
     rivals = list(chain(*sets_of_one(judged.search.probabilities(), judged.effects_known, named)))
     amounts = amounts_of(model, best)
-    others = _others_of(rig)
+    others = _other_joints_of(rig)
     other_joints = looks_like_others(named, rivals, question.examined, others, gap, amounts)
     held_out = _why_overruled(model, judged, gap, question.practical, remainder) if named else None
     acting = model.amplitudes(best.at, best.acting)
@@ -263,14 +264,14 @@ def _objections_to(
 def _why_overruled(
     model: LinearModel, judged: Judged, gap: Gap, practical: float, remainder: Remainder
 ) -> str | None:
-    """Return by which rule held-out data contradict the causes; None where by none."""
+    """Return the rule by which held-out data contradict the causes; None if there is none."""
     beyond: list[str] = []
     if model.data.rigs[0].along_path:
         beyond = implausible(judged.named, model, judged.search, judged.posterior)
     return why_overruled(
         gap,
         practical,
-        told_as_remainder=tells_what_is_left(remainder, gap),
+        in_remainder=accounts_for_residual(remainder, gap),
         force_left=remainder.significant,
         implausible=beyond,
     )
@@ -283,9 +284,10 @@ def _why_no_scatter(
     practical: float,
     order: np.random.Generator,
 ) -> str | None:
-    """Return what is left that is no scatter: residuals in order, or friction that changes.
+    """Return a description of a residual that is not scatter; None if there is none.
 
-    An error of the sensors that is present explains residuals that make no gap.
+    Ordered residuals and friction that changes within runs are not scatter. A present error of
+    the sensors explains residuals that make no gap.
     """
     sensing = {effect.effect for effect in judged.effects_known if effect.measuring}
     if sensing & set(judged.present):
@@ -302,26 +304,26 @@ def _why_bent(
     best: Weighed,
     acting: list[tuple[Candidate, float]],
 ) -> str | None:
-    """Return why the loop may have made the causes, whose laws may be those of their twins."""
+    """Return why the control loop may imitate the causes (laws may be those of their twins)."""
     whose = {
         law.effect: candidate.effect.name
         for law, (candidate, _) in zip(best.acting.laws, acting, strict=True)
     }
-    return not_held(instrument, {name: whose.get(name, name) for name in named})
+    return why_unconfirmed(instrument, {name: whose.get(name, name) for name in named})
 
 
-def _others_of(rig: RigTrials) -> str | None:
-    """Return what other joints did: no pull of theirs explains a log that tells no friction."""
+def _other_joints_of(rig: RigTrials) -> str | None:
+    """Return what other joints did; ``still`` if the log has no information on friction."""
     return "still" if "coulomb" in rig.untold else rig.other_joints
 
 
 def _why_open(
     verdict: Verdict, objections: Objections, rig: RigTrials, judged: Judged, gap: Gap
 ) -> str | None:
-    """Return why causes, some rivals or an unknown force stay open; None where they do not.
+    """Return why causes, rivals or an unknown force stay open; None if they do not.
 
-    Of causes that held-out data contradict it is sure that something else acts, except in a log
-    that tells nothing of friction.
+    If held-out data contradict causes, something else certainly acts, except in a log without
+    information on friction.
     """
     if objections.loop is not None:
         return objections.loop
@@ -338,12 +340,12 @@ def _why_open(
 
 
 def _as_judged(judged: Judged) -> Overruled:
-    """Return hypotheses and effects where nothing is overruled."""
+    """Return hypotheses and effects without any overruling."""
     return Overruled(judged.search, judged.effects_known, judged.present, judged.possible)
 
 
 def _without_causes(judged: Judged, rivals: list[str]) -> Overruled:
-    """Return hypotheses and effects once causes, or else their rivals, are overruled."""
+    """Return hypotheses and effects after the causes (or, without causes, rivals) are overruled."""
     gone = [judged.named] if judged.named else [[name] for name in rivals]
     return overruled(judged.search, judged.effects_known, gone, judged.above)
 
@@ -355,7 +357,7 @@ def _why_not_shown(
     instrument: Instrument | str,
     practical: float,
 ) -> str | None:
-    """Return why these data could not have shown a gap: the first reason, and what it hides."""
+    """Return the first reason why these data could not have shown a gap; None if they could."""
     rig = model.data.rigs[0]
     if "coulomb" in rig.untold:
         return rig.open_still

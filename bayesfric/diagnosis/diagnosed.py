@@ -1,4 +1,4 @@
-"""A diagnosis, ready to be written."""
+"""The result of a diagnosis, and the writing of its files."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,16 +17,16 @@ class Diagnosed:
     Parameters
     ----------
     summary : DiagnosisFile
-        What ``diagnosis.json`` says.
+        Content of ``diagnosis.json``.
     curves : DataTree
-        What ``diagnosis.nc`` holds: ``residuals``, ``law``, and where there are any
+        Content of ``diagnosis.nc``: ``residuals``, ``law`` and, if there are any,
         ``trajectories`` and ``amplitudes``.
     seconds : float
         Wall time.
     amounts : ModelAmounts or None
-        How wrong the machine's model is.
+        Estimated errors of the machine's model.
     own_sentence : str
-        The verdict in words, without what it says of that model.
+        The verdict sentence, without its part about that model.
     """
 
     summary: DiagnosisFile

@@ -1,4 +1,4 @@
-"""A recording to a diagnosis: where it misses, which effect causes it, how far it shrinks."""
+"""Diagnoses a recording: where the law misses, which effect causes it, how far it shrinks."""
 
 import time
 from collections.abc import Callable, Collection, Sequence
@@ -16,15 +16,15 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis
 from bayesfric.attention.diagnosis import of_diagnosis
 from bayesfric.checkpoint import Checkpoint
-from bayesfric.diagnosis.answer import Answer, causes_told, file_of, law_told
+from bayesfric.diagnosis.answer import Answer, file_of, reported_causes, reported_law
 from bayesfric.diagnosis.beyond import too_tight, with_wider_priors
-from bayesfric.diagnosis.checking import looked_at
+from bayesfric.diagnosis.checking import checked_diagnosis
 from bayesfric.diagnosis.compared import Compared, compare_hypotheses
 from bayesfric.diagnosis.concluded import conclude, measure
 from bayesfric.diagnosis.diagnosed import Diagnosed
-from bayesfric.diagnosis.held_out_density import least_asked_for
+from bayesfric.diagnosis.held_out_density import least_needed_cause
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.joints import diagnosed_together
+from bayesfric.diagnosis.joints import diagnose_joints
 from bayesfric.diagnosis.judging import Judged, judge
 from bayesfric.diagnosis.other_joints import model_error_words
 from bayesfric.diagnosis.question import Question, question_of
@@ -41,7 +41,7 @@ from bayesfric.simulators import Simulator, SimulatorCalls
 
 
 class _Asked(NamedTuple):
-    """What is asked of each part of a recording, as of :func:`diagnose`."""
+    """Parameters of :func:`diagnose` that hold for each part of a recording."""
 
     analysis: Analysis
     fixed: Collection[str]
@@ -71,46 +71,46 @@ def diagnose(
     Parameters
     ----------
     recording : Recording
-        All trials of all rigs that it has enter.
+        All trials of all its rigs are used.
     analysis : Analysis or None
         Priors, rules and seed; None for the defaults.
     fixed : collection of str
-        Numbers that are held at their shipped values, as ``c3``, ``c3[small]`` or ``mass``.
+        Numbers that are fixed at their shipped values, such as ``c3``, ``c3[small]`` or ``mass``.
     effects : collection of Effect
-        The user's own, examined beside :mod:`bayesfric.effects` or in place of the same name.
+        The user's effects, in addition to :mod:`bayesfric.effects`; an equal name replaces.
     shipped : mapping of str to Coefficients or to float, or None
-        The simulator's values as it was shipped: laws by pulley size, or numbers by name as
-        ``fit.json`` has them, say ``mass``; None is Table I.
+        Values in the shipped simulator: laws by pulley size, or numbers by their names in
+        ``fit.json``, such as ``mass``; None is Table I.
     baseline : str
         The friction law, a name in :data:`bayesfric.physics.laws.BASELINES`.
     simulator : Simulator, str or None
-        The user's own in the place of the law; see :class:`bayesfric.simulators.Simulator`.
+        The user's simulator instead of the law; see :class:`bayesfric.simulators.Simulator`.
     target : DataFrame or None
-        Where friction is asked for, as of :func:`bayesfric.recording.read_conditions`.
+        Conditions at which friction is predicted, from :func:`bayesfric.recording.read_conditions`.
     executor : Executor or None
-        Over which calls of the simulator are spread; None makes one after another.
+        Runs calls of the simulator in parallel; None runs one after another.
     announce : callable or None
-        Is told how many calls of the simulator are coming.
+        Is called with a text about the number of simulator calls to come.
     checkpoint : Path or None
-        Folder from which an interrupted diagnosis goes on to the same result; to be removed
-        after. Not used beside the user's own effects or simulator, whose code may change.
+        Folder from which an interrupted diagnosis continues to the same result; remove it
+        afterwards. Not used with the user's effects or simulator, whose code may change.
 
     Returns
     -------
     Diagnosed
-        Verdict, causes, where, and how far it shrinks.
+        The verdict, the causes, where the gap lies, and how far it shrinks.
 
     Raises
     ------
     InputError
-        No rig, no such law or fixed coefficient, or a simulator that cannot be called.
+        No rig, unknown law or fixed coefficient, or a simulator that cannot be called.
     """
     calls = None
     if simulator is not None:
         calls = partial(SimulatorCalls, simulator, executor=executor, announce=announce)
     asked = _Asked(analysis or Analysis(), fixed, effects, shipped, baseline, calls, target)
     if joints := parted_by_joint(recording):
-        return diagnosed_together(joints, partial(_diagnosed, asked), checkpoint)
+        return diagnose_joints(joints, partial(_diagnosed, asked), checkpoint)
     return _diagnosed(asked, recording, checkpoint)
 
 
@@ -131,7 +131,7 @@ def _diagnosed(asked: _Asked, recording: Recording, checkpoint: Path | None) -> 
         )
         kept = None if asked.effects or asked.calls else checkpoint
         summary, curves, amounts = _diagnose(question, asked.baseline, sorted(asked.fixed), kept)
-    own = looked_at(summary.model_copy(update={"attention": of_diagnosis(summary)}))
+    own = checked_diagnosis(summary.model_copy(update={"attention": of_diagnosis(summary)}))
     words = f"{own.sentence}{model_error_words(own.model_error)}"
     summary = own.model_copy(update={"sentence": words})
     seconds = time.perf_counter() - began
@@ -158,9 +158,9 @@ def _diagnose(
         question.examined,
         axes,
     )
-    law = law_told(compared, judged, measured, conclusion, question.practical, scatter)
+    law = reported_law(compared, judged, measured, conclusion, question.practical, scatter)
     answer = Answer(question, compared, judged, measured, conclusion, law, *where)
-    summary = file_of(answer, causes_told(answer, checks), attributes)
+    summary = file_of(answer, reported_causes(answer, checks), attributes)
     amplitudes = {name: judged.posterior.amplitudes[name] for name in judged.named}
     curves = curves_of(measured.held_out, amplitudes, judged.posterior.law)
     return summary, curves, conclusion.objections.amounts
@@ -169,7 +169,7 @@ def _diagnose(
 def _compared_and_judged(
     question: Question, keeping: Checkpoint
 ) -> tuple[Question, Compared, Judged]:
-    """Return hypotheses compared and effects sorted, with wider priors where some are too tight."""
+    """Compare hypotheses and sort effects; priors that are too tight are widened first."""
     while True:
         compared = compare_hypotheses(question, keeping)
         draws, blocks = question.sources.draws, question.sources.blocks.spawn(1)[0]
@@ -183,7 +183,7 @@ def _compared_and_judged(
 def _judged(
     question: Question, compared: Compared, draws: np.random.Generator, blocks: np.random.Generator
 ) -> Judged:
-    """Return effects sorted; each cause of a joint beside others stands on data held out."""
+    """Sort effects; several causes of a joint must each improve held-out predictions."""
 
     def sort(search: Search) -> Judged:
         return judge(compared.model, search, question.law_shipped, question.practical, draws)
@@ -192,7 +192,7 @@ def _judged(
     if not compared.data.rigs[0].along_path:
         return judged
     while len(judged.named) > 1:
-        name = least_asked_for(compared.model, search, judged.named, blocks)
+        name = least_needed_cause(compared.model, search, judged.named, blocks)
         if name is None or name in search.doubted:
             break
         search = replace(search, doubted=search.doubted | {name})

@@ -30,7 +30,7 @@ class Wide:
     share : float
         Rms of these forces, relative to rms friction.
     axis : str or None
-        Their axis; None is all axes, without those that act only by themselves.
+        Their axis; None is all axes except those whose forces are not combined with others.
     alike : bool
         Whether the force is the same fraction of friction for all sizes, loads and rigs.
     """
@@ -55,7 +55,7 @@ class Discrepancy:
     share : float
         Rms of the smooth forces, relative to rms friction.
     own, shared : tuple of Smooth
-        Smooth forces of each size, and of all sizes.
+        Smooth forces of each pulley size, and those that all sizes share.
     amounts : tuple of (Candidate, float)
         Effects with the standard deviations of their small amounts.
     """
@@ -155,9 +155,9 @@ def _small_amounts(
     rows : sequence of LinearRows
         The rigs.
     candidates : sequence of Candidate
-        Of the effects that are examined, any number an effect.
+        Candidates of the examined effects; an effect may have several.
     share : float
-        Rms force of them all, as a share of friction.
+        Total rms of all small amounts, relative to rms friction.
     """
     effects = {
         candidate.effect.name: candidate.effect
@@ -179,7 +179,7 @@ def _small_amounts(
 
 
 def relative_rms(rows: Sequence[LinearRows], candidate: Candidate) -> float:
-    """Return the rms of what amplitude 1 does to friction, over the rigs where it acts."""
+    """Return the rms change of friction by amplitude 1, over the rigs where the effect acts."""
     squares: list[Array] = []
     for rig_rows in rows:
         force = rig_rows.relative_force(candidate)

@@ -1,4 +1,4 @@
-"""One effect on friction as a diagnosis drew it, where friction is asked for elsewhere."""
+"""Posterior draws of an effect on friction, to predict friction at other conditions."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -13,16 +13,16 @@ from bayesfric.effects.base import Effect, State
 
 @dataclass(frozen=True)
 class DrawnEffect:
-    """One effect on friction, as drawn.
+    """Posterior draws of one effect on friction.
 
     Parameters
     ----------
     effect : Effect
-        What it is.
+        The effect.
     amplitude, shape : ndarray, shape (draws,)
-        0 where it does not act, or has no shape.
+        Draws; 0 if it does not act in a draw, or has no shape.
     variant : ndarray of str, shape (draws,)
-        The law that it follows; empty where it does not act.
+        Name of its law; empty if it does not act in a draw.
     """
 
     effect: Effect
@@ -31,7 +31,7 @@ class DrawnEffect:
     variant: NDArray[np.str_]
 
     def taken(self, order: Whole) -> "DrawnEffect":
-        """Return some of the draws, in an order."""
+        """Return the draws with the given indices, in this order."""
         return replace(
             self,
             amplitude=self.amplitude[order],
@@ -40,7 +40,7 @@ class DrawnEffect:
         )
 
     def force(self, state: State) -> Array:
-        """Return what it adds to friction [N], shape (draws,)."""
+        """Return the force that it adds to friction in a state, shape (draws,) [N]."""
         force = np.zeros(self.amplitude.shape)
         for name in np.unique(self.variant[self.variant != ""]):
             mine = self.variant == name
@@ -52,18 +52,18 @@ class DrawnEffect:
 
 
 def drawn_effect(table: xr.Dataset, name: str, effects: Mapping[str, Effect]) -> DrawnEffect | str:
-    """Return an effect as drawn, or why it stays where it was found.
+    """Return draws of an effect, or why it does not apply to another machine.
 
-    Only effects on friction come with the pulleys to another machine.
+    Only effects on friction apply to the same pulleys in another machine.
 
     Parameters
     ----------
     table : Dataset
         Group ``law`` of ``diagnosis.nc``.
     name : str
-        Of the effect.
+        Name of the effect.
     effects : mapping of str to Effect
-        Those that are known.
+        All effects by name.
     """
     effect = effects.get(name)
     if effect is None:

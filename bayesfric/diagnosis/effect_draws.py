@@ -1,4 +1,4 @@
-"""What is drawn of the effects: strengths, amplitudes and shapes, hypothesis after hypothesis."""
+"""Draws of strengths, amplitudes and shapes of effects, hypothesis after hypothesis."""
 
 from collections.abc import Mapping, Sequence
 
@@ -18,12 +18,12 @@ DRAWS = 1000
 
 
 class EffectDraws:
-    """What is drawn of each effect, hypothesis after hypothesis; as in ``Posterior``.
+    """Collects draws of each effect, hypothesis after hypothesis; names as in ``Posterior``.
 
     Parameters
     ----------
     model : LinearModel
-        In which the hypotheses were compared.
+        The model in which the hypotheses were compared.
     residuals : Residuals
         Windows of that model.
     """
@@ -45,20 +45,20 @@ class EffectDraws:
         numbers: Array,
         shapes: Sequence[Array],
     ) -> None:
-        """Take draws of effects with columns under a hypothesis.
+        """Store draws of effects with columns under a hypothesis.
 
         Parameters
         ----------
         rows : slice
-            Where they go; n of them.
+            Indices of the n draws.
         own : LinearModel
-            Of the hypothesis.
+            The model of the hypothesis.
         weighed : Weighed
             The hypothesis.
         drawn, numbers : ndarray, shape (n, p)
-            Its numbers at the best shapes, and at those drawn.
+            Its numbers at the best shapes, and at the drawn shapes.
         shapes : sequence of ndarray
-            As of :func:`drawn_shapes`.
+            From :func:`drawn_shapes`.
         """
         model, residuals, full = self._model, self._residuals, self._model.full.layout
         acting = weighed.acting
@@ -84,7 +84,7 @@ class EffectDraws:
         forms: Mapping[str, FormShare],
         rng: np.random.Generator,
     ) -> Array:
-        """Take draws of effects with phases, and return the mean square of their force [N²]."""
+        """Store draws of effects with phases, and return the mean square of their force [N²]."""
         model, acting, at = self._model, weighed.acting, weighed.at
         hidden2 = np.zeros(rows.stop - rows.start)
         for place, law in enumerate(acting.phases):
@@ -100,13 +100,13 @@ class EffectDraws:
         return hidden2
 
     def _keep(self, rows: slice, law: Law, strength: Array, left: float) -> None:
-        """Keep draws of an effect's strength, and what a recalibrated law leaves of it."""
+        """Store draws of an effect's strength, and the part that a recalibrated law leaves."""
         self.strengths.setdefault(law.effect, np.zeros(DRAWS))[rows] = strength
         self.left.setdefault(law.effect, []).append(left)
 
 
 def _strength(residuals: Residuals, column: Array) -> tuple[float, float]:
-    """Return the rms of a force over rms friction where it acts, and what the law leaves."""
+    """Return the rms force relative to rms friction, and the part that a refitted law leaves."""
     rigs = [rig for rig in np.unique(residuals.rig) if np.any(column[residuals.rig == rig])]
     on_rigs = np.isin(residuals.rig, rigs)
     weight = residuals.weight * on_rigs
@@ -121,7 +121,7 @@ def _strength(residuals: Residuals, column: Array) -> tuple[float, float]:
 
 
 def _phase_share(model: LinearModel, place: int) -> float:
-    """Return the share of friction that phases of unit amplitude make, rms."""
+    """Return the rms force of phases of unit amplitude, relative to friction."""
     return relative_rms([rig.rows for rig in model.rigs], model.candidates[place])
 
 
@@ -145,7 +145,7 @@ def _log_spread(
 def drawn_shapes(
     model: LinearModel, weighed: Weighed, count: int, rng: np.random.Generator
 ) -> list[Array]:
-    """Return draws of each effect's shape around the best, others held, as normal quantiles.
+    """Draw the shape of each effect with the other shapes fixed, as normal quantiles.
 
     Parameters
     ----------
@@ -154,14 +154,14 @@ def drawn_shapes(
     weighed : Weighed
         The hypothesis.
     count : int
-        S of draws.
+        Number S of draws.
     rng : Generator
         Source of randomness.
 
     Returns
     -------
     list of ndarray, shape (S,) or (0,)
-        Of each effect with columns; empty of one without a shape.
+        For each effect with columns; empty for a law without a shape.
     """
     return [
         _shape_draws(model, weighed, column, count, rng) if law.has_shape else np.empty(0)
@@ -170,7 +170,7 @@ def drawn_shapes(
 
 
 def shape_values(model: LinearModel, law: Law, quantiles: Array) -> Array:
-    """Return shapes of a law in their unit, from normal quantiles."""
+    """Return shape parameters of a law in their own unit, from normal quantiles."""
     shape = model.candidates[law.places[0]].effect.shape
     return np.empty(0) if shape is None else np.asarray(from_normal(shape.prior, quantiles))
 
@@ -178,7 +178,7 @@ def shape_values(model: LinearModel, law: Law, quantiles: Array) -> Array:
 def _shape_draws(
     model: LinearModel, weighed: Weighed, column: int, count: int, rng: np.random.Generator
 ) -> Array:
-    """Draw the shape of an effect around the best, others held, as normal quantiles."""
+    """Draw the shape of one effect with the others fixed, as normal quantiles."""
     places = [place for acting_law in weighed.acting.laws for place in acting_law.places]
     reduced = model.reduced(
         weighed.at.psi, Acting(phases=weighed.acting.phases), weighed.forms, places

@@ -1,4 +1,4 @@
-"""What to enter in a simulator of a driven joint, and what is lost where it has no field."""
+"""Numbers to enter in a simulator of a driven joint, and the loss if it has no field for one."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -37,22 +37,22 @@ def numbers_to_enter(
     gap: Gap,
     residuals: Residuals,
 ) -> tuple[tuple[Enter, ...], str | None]:
-    """Return the numbers to enter, from the refit with the causes; else why there are none.
+    """Return the numbers to enter, from the refit with the causes, or why there are none.
 
     Parameters
     ----------
     model : LinearModel
-        In which the hypotheses were compared.
+        The model in which the hypotheses were compared.
     law : mapping of str to LawNumber
-        Of the law, with and without what acts beside it.
+        Numbers of the law, without and with the effects.
     posterior : Posterior
         Draws.
     causes : sequence of Cause
-        Effects that are named.
+        The causes.
     gap : Gap
-        For the size of friction.
+        Contains rms friction.
     residuals : Residuals
-        Windows, whose speeds and accelerations say how large the force of a number is.
+        Windows; from their speeds and accelerations follows the force of each number.
     """
     if model.data.rigs[0].has_pulleys:
         return (), OF_PULLEYS
@@ -76,14 +76,14 @@ def numbers_to_enter(
 
 
 def _over_stiffness(number: Enter) -> Enter:
-    """Return a number that no field takes as it stands, nor one that goes with it."""
+    """Return the number as a ratio to stiffness, for which no simulator has a field."""
     nowhere = dict.fromkeys(number.fields)
     without = {"fields": nowhere, "lost_without": None, "lost_without_why": RATIO}
     return number.model_copy(update=without)
 
 
 class _Motion(NamedTuple):
-    """How large speed and acceleration are over the recording's conditions."""
+    """Rms speed and acceleration over the recording's conditions."""
 
     turns: bool
     speed_rms: float
@@ -98,7 +98,7 @@ class _Motion(NamedTuple):
         return cls(residuals.turns, rms("velocity"), rms("acceleration"))
 
     def force(self, name: str, value: float) -> float:
-        """Return the rms force [N or N·m] that a number of the law makes."""
+        """Return the rms force of a number of the law [N or N·m]."""
         by = {"viscous": self.speed_rms, "inertia": self.acceleration_rms}
         by["armature"] = self.acceleration_rms
         return abs(value) * by.get(name, 1.0)
@@ -114,7 +114,7 @@ def _fields(parameter: str, turns: bool) -> dict[str, SimulatorField | None]:
 def _of_law(
     name: str, value: Interval, unit: str, has: Mapping[str, float], motion: _Motion
 ) -> Enter:
-    """Return a number of the law; what is lost without is the rms force that it makes."""
+    """Return a number of the law to enter; the loss without it is its rms force."""
     called = next((own for own in NAMES.get(name, (name,)) if own in has), None)
     fields = _fields(name, motion.turns)
     everywhere = all(fields.values())
@@ -131,7 +131,7 @@ def _of_law(
 
 
 def _of_effect(cause: Cause, gap: Gap, turns: bool) -> list[Enter]:
-    """Return the parameters of an effect; what is lost without is the rms of its force."""
+    """Return the parameters of an effect to enter; the loss without them is its rms force."""
     lost = cause.strength * gap.friction_rms if cause.strength > 0 else None
     entered = []
     for name, number in cause.parameters.items():
@@ -156,9 +156,9 @@ def _of_effect(cause: Cause, gap: Gap, turns: bool) -> list[Enter]:
 
 
 def _damping(model: LinearModel, posterior: Posterior) -> Array | None:
-    """Return draws of the damping of a joint, where its friction grows as Coulomb's share.
+    """Return draws of a joint's damping if its effect is a fraction of Coulomb friction.
 
-    The amplitude is a share of the Coulomb friction of the law that the model is around.
+    The amplitude is relative to the Coulomb friction of the model's reference law.
     """
     slope, coulomb = posterior.amplitudes.get("viscous"), _coulomb(model)
     variants = {law.law for law in model.lawbook.get("viscous", ())}
@@ -169,7 +169,7 @@ def _damping(model: LinearModel, posterior: Posterior) -> Array | None:
 
 def _coulomb(model: LinearModel) -> float | None:
     if len(model.layout.sizes) > 1:
-        return None  # a bench beside an axis: the share is of the friction of both
+        return None  # an axis with a bench: the amplitude is relative to the friction of both
     (size,) = model.layout.sizes
     names = [name for name, _ in model.data.law_numbers(size)]
     if "coulomb" not in names:

@@ -1,4 +1,4 @@
-"""Which effects are examined, and what is said of each of them."""
+"""Which effects are examined, and the stored entry of each."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
@@ -16,7 +16,7 @@ from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.data import Data
 from bayesfric.schemas.diagnosis import ExaminedEffect
 
-NARROW = 1e-3  # of the usual width, below which a prior and not the data says a number
+NARROW = 1e-3  # of the usual width; a narrower prior determines a number instead of the data
 APART = "a model of the machine, or other joints that are still"
 LN10 = float(np.log(10))
 
@@ -24,10 +24,10 @@ LN10 = float(np.log(10))
 def examinable(
     data: Data, own: Mapping[str, Effect]
 ) -> tuple[dict[str, Effect], dict[str, tuple[str, ...]]]:
-    """Return the effects that the rigs can have, in their measures, and what others lack.
+    """Return the effects that the rigs can have, in their units, and what other effects lack.
 
-    An effect of the user's own is in the user's measures already; one that several rigs
-    share is in those that it was described in.
+    A user's effect is in the user's units already; an effect on several rigs keeps the units
+    of its description.
     """
     offered: frozenset[str] = frozenset().union(*(rig.offers for rig in data.rigs))
     taken = frozenset().union(*(trials.taken_up for trials in data.rigs)) - frozenset(own)
@@ -46,13 +46,13 @@ def examinable(
 
 
 def no_effects(data: Data, own: Collection[str]) -> dict[str, str]:
-    """Return what is no effect of its own on these rigs, by name, with the reason."""
+    """Return effects that are part of the model of these rigs, by name, with the reason."""
     joints = any(rig.other_joints is not None for rig in data.rigs)
     return {name: why for name, why in IN_THE_MODEL.items() if joints and name not in own}
 
 
 def widened(effect: Effect, analysis: Analysis) -> Effect:
-    """Return an effect whose amplitude's prior is as wide as the user wants it."""
+    """Return an effect with the user's width of its amplitude's prior."""
     factor = analysis.diagnosis.widths.get(effect.name, 1.0)
     prior = effect.amplitude.prior
     if factor == 1.0:
@@ -67,16 +67,16 @@ def widened(effect: Effect, analysis: Analysis) -> Effect:
 def remarks_on_priors(
     analysis: Analysis, effects: Mapping[str, Effect], rig: RigTrials
 ) -> tuple[str, ...]:
-    """Return, in sentences, which priors of a user do nothing here, or leave nothing to the data.
+    """Return a sentence for each of the user's priors that has no effect, or overrides the data.
 
     Parameters
     ----------
     analysis : Analysis
-        As the user wrote it.
+        The user's analysis.
     effects : mapping of str to Effect
-        Those that are examined, with priors of their own.
+        Examined effects with their priors.
     rig : RigTrials
-        The first, whose law may have priors in the machine's measures.
+        The first rig, whose law may have priors in the machine's units.
     """
     priors, lines = analysis.priors, []
     usual: dict[str, Prior] = {
@@ -115,12 +115,11 @@ def examined_effects(
     lacking: Mapping[str, tuple[str, ...]],
     elsewhere: Mapping[str, str],
 ) -> tuple[ExaminedEffect, ...]:
-    """Return what is said of each effect: its Bayes factor against the baseline, or why not.
+    """Return the entry of each effect: its Bayes factor against the baseline, or why it has none.
 
-    `elsewhere` is what is no effect of its own, with the reason.
-
-    All are of the model around the baseline, where every effect has been weighed: evidences
-    of the model around the leader's law, which has its finalists alone, have another zero.
+    `elsewhere` contains effects that are part of the model, with the reason. All Bayes factors
+    are from the model around the baseline, in which every effect was evaluated. Evidences from
+    the model around the leader's law, which contains only finalists, are not comparable.
     """
     absorbed = {effect.effect for effect in first.classes.absorbed}
     stands = {name: members[0] for members in first.classes.members for name in members}

@@ -38,13 +38,13 @@ AXES: Mapping[ActsOn, tuple[str, ...]] = {
     "current": ("speed_m_s", "load_current_a", "order"),
 }
 HIGHEST = 3  # degree
-UNLIKE = 0.05  # least part of a polynomial's rms that lower degrees do not explain
+UNLIKE = 0.05  # least part of a polynomial's rms that lower degrees must leave unexplained
 SHARES = (0.0, 0.03, 0.1, 0.3)
 """Possible relative errors of laws, with equal prior probabilities."""
 
 
 class FormShare(NamedTuple):
-    """Relative error of a law, along one axis or (None) along each."""
+    """Relative error of a law, along one axis, or along every axis (None)."""
 
     size: float = 0.0
     axis: str | None = None
@@ -54,7 +54,7 @@ AS_IT_IS = FormShare()
 
 
 class Form(NamedTuple):
-    """An error of a law: the effect times a polynomial, its sd at a relative error of 1."""
+    """An error of a law: the effect times a polynomial, and its sd at a relative error of 1."""
 
     candidate: Candidate
     sd: float
@@ -93,7 +93,7 @@ def other_forms(
 
 
 def _size(rows: Sequence[LinearRows], candidate: Candidate) -> float:
-    """Return the rms of what amplitude 1 does, of an error of readings in metres."""
+    """Return the rms response to amplitude 1; for an error of readings, in metres."""
     if candidate.effect.acts_on != "reading":
         return relative_rms(rows, candidate)
     return max(
@@ -122,19 +122,19 @@ def _varied(effect: Effect, axis: str, shape: Callable[[Array], Array]) -> Effec
 
 
 def _has(where: Any, axis: str) -> bool:
-    """Return whether an axis means anything: travel does not in a steady run."""
+    """Return whether an axis has a meaning; travel has none in a steady run."""
     return not (axis == "travel_m" and where.steady)
 
 
 def _shapes(at: Array, weight: Array) -> list[Callable[[Array], Array]]:
-    """Return polynomials over the places of an effect, each unlike those of lower degrees."""
+    """Return polynomials along an axis that lower degrees do not explain."""
     levels, which = np.unique(at, return_inverse=True)
     square = np.bincount(which, weights=weight)
-    # An effect that is zero at all levels but one, as a curvature is about the middle one, has
-    # nothing to vary along the axis.
+    # An effect that is zero at all levels but one (a curvature around the middle level) cannot
+    # vary along the axis.
     if np.count_nonzero(square) < 2:
         return []
-    # Where the effect dies out, so do its other forms; equal parts of the effect count alike.
+    # Other forms vanish where the effect vanishes; equal parts of its square have equal weight.
     quantiles = (np.cumsum(square) - square / 2) / square.sum()
     inside, root = quantiles[which], np.sqrt(weight)
     functions = [root]
@@ -144,7 +144,7 @@ def _shapes(at: Array, weight: Array) -> list[Callable[[Array], Array]]:
         values = root * basis(inside)
         lower = np.stack(functions, axis=1)
         new = values - lower @ np.linalg.lstsq(lower, values, rcond=None)[0]
-        # Of few places, or where the effect is zero at some, it is those of lower degrees again.
+        # With few levels, or zeros of the effect, a polynomial can equal those of lower degree.
         if np.linalg.norm(new) <= UNLIKE * np.linalg.norm(values):
             continue
         functions.append(values)
@@ -158,7 +158,7 @@ def _shapes(at: Array, weight: Array) -> list[Callable[[Array], Array]]:
 
 
 def _places(rows: Sequence[LinearRows], candidate: Candidate) -> list[tuple[Any, Array]]:
-    """Return where each rig is, and the square of what the effect does there."""
+    """Return the states of each rig, and the squared effect in them."""
     effect = candidate.effect
     places = [rig_rows.where(effect.acts_on) for rig_rows in rows if _shows(rig_rows, candidate)]
     values, _ = unit_values(candidate)
@@ -167,7 +167,7 @@ def _places(rows: Sequence[LinearRows], candidate: Candidate) -> list[tuple[Any,
 
 
 def _along(axis: str, places: Sequence[tuple[Any, Array]]) -> tuple[Array, Array]:
-    """Return values along an axis and their weights; boards count alike."""
+    """Return values along an axis and their weights; all rigs have the same weight."""
     at, weight = [np.empty(0)], [np.empty(0)]
     for place, square in places:
         if _has(place, axis):

@@ -1,4 +1,4 @@
-"""Inertia of a joint whose gravity nobody knows: whether a motion tells the one from the other."""
+"""Whether a motion separates a joint's inertia from unknown gravity."""
 
 from collections.abc import Collection
 from typing import Any
@@ -19,22 +19,22 @@ NOT_APART = (
 
 
 def gravity_hides_inertia(model: LinearModel, turns: bool) -> float | None:
-    """Return by which factor gravity that nobody knows makes the error of the inertia larger.
+    """Return the factor by which unknown gravity increases the error of the inertia.
 
-    Over a short stroke, or in a motion of one frequency, the acceleration goes with the place,
-    and so does the pull of gravity.
+    Over a short stroke, or in a motion of one frequency, the acceleration is proportional to
+    the position, and so is the torque of gravity.
 
     Parameters
     ----------
     model : LinearModel
-        In which the hypotheses were compared.
+        The model in which the hypotheses were compared.
     turns : bool
         Whether the machine turns.
 
     Returns
     -------
     float or None
-        None where the two are told apart, or where gravity is known or does not act.
+        None if the motion separates the two, or if gravity is known or does not act.
     """
     rows: Any = model.rigs[0].rows
     if not turns or not model.data.rigs[0].along_path:
@@ -63,14 +63,14 @@ def _beyond(column: Array, others: Array) -> float:
 
 
 def by_gravity(factor: float | None, named: Collection[str]) -> Factors:
-    """Return how many times wider gravity that is left out makes the inertia of a joint.
+    """Return the factor by which neglected gravity widens the interval of a joint's inertia.
 
     Parameters
     ----------
     factor : float or None
-        Of :func:`gravity_hides_inertia`.
+        From :func:`gravity_hides_inertia`.
     named : collection of str
-        The causes: with gravity among them the errors after have its part already, and the law
-        alone is told to be biased.
+        The causes. If gravity is one of them, the errors with the causes include it already, and
+        the law without the causes is reported as biased.
     """
     return {} if factor is None or "gravity-torque" in named else {INERTIA: (factor, factor)}

@@ -78,13 +78,13 @@ class HeldOut:
     rows : tuple of (str, Squares)
         Of the folds, then of the extrapolations.
     in_sample : Squares
-        The same with nothing held out.
+        Squares with nothing held out.
     trajectory : Squares or None
         In metres, from the first five events to the end of travel.
     examples : tuple of (str, Run)
         Free-running trials, with their ids.
     by_chance : ndarray, shape (B,)
-        Draws of the squares that a correct law would leave in folds [N²].
+        Draws of the mean square that a correct law would leave in the folds [N²].
     """
 
     residuals: Residuals
@@ -105,9 +105,9 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
     Parameters
     ----------
     arms : Arms
-        The two models.
+        The law without and with the causes.
     residuals : Residuals
-        Windows of the plain one.
+        Windows of `arms.plain`.
     rng : Generator
         Assigns assemblies to folds.
     """
@@ -126,7 +126,7 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
         return arms.fitted(beside, residuals, out)
 
     whole = fitted(np.zeros(fold.size, dtype=np.bool_))
-    by_fold = [*map(fitted, outs), whole]  # the last of them is that of IN_NONE
+    by_fold = [*map(fitted, outs), whole]  # the last is for windows in no fold (IN_NONE)
     place = np.arange(fold.size)
     left, chance2 = np.empty((2, 3, fold.size))
     for arm in range(3):
@@ -157,7 +157,7 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
 
 
 def units_of(residuals: Residuals) -> Whole:
-    """Return the unit of each window that is held out and resampled as a whole, (R,).
+    """Return the unit of each window, (R,); a unit is held out and resampled as a whole.
 
     It is an assembly, or a trial if a pulley size has a single assembly.
     """
@@ -171,7 +171,7 @@ def units_of(residuals: Residuals) -> Whole:
 def folds_of(residuals: Residuals, rng: np.random.Generator) -> Whole:
     """Return the fold of each window, (R,), so that no fold has all windows of a pulley size.
 
-    A size with a single trial is in no fold: a law without any data would be that of the prior.
+    A size with a single trial is in no fold: its law would come from the prior alone.
     """
     units, size = units_of(residuals), residuals.size
     names, first, unit = np.unique(units, return_index=True, return_inverse=True)
@@ -188,12 +188,13 @@ def folds_of(residuals: Residuals, rng: np.random.Generator) -> Whole:
 
 
 def extrapolated(residuals: Residuals) -> dict[str, Flags]:
-    """Return the windows at the end of each range, and those of each rig.
+    """Return the windows at the upper end of each range of conditions, and those of each rig.
 
     Returns
     -------
     dict of str to ndarray of bool, shape (R,)
-        Windows of whole trials, by name; none that would leave a pulley size without windows.
+        Windows of whole trials, by name; without sets that would leave a pulley size without
+        windows.
     """
     conditions: dict[str, Flags] = {}
     where = residuals.covariates
@@ -224,7 +225,7 @@ def _by_chance(
     after: Sequence[Fitted],
     rng: np.random.Generator,
 ) -> Array:
-    """Draw the squares that chance makes in folds with a correct law, (DRAWS,) [N²]."""
+    """Draw the held-out mean square that chance makes with a correct law, (DRAWS,) [N²]."""
     drawn = redrawn(residuals, DRAWS, rng)
     scatter2 = residuals.friction_n**2 * residuals.spread2
     squares = np.zeros(DRAWS)
@@ -294,20 +295,20 @@ def gap_row(
     shipped_why: str,
     rng: np.random.Generator,
 ) -> GapRow:
-    """Return the four figures of one set of held-out data.
+    """Return the stored figures of one set of held-out data.
 
     Parameters
     ----------
     name : str
-        What was held out.
+        Name of the held-out set.
     squares : Squares
-        Of the windows.
+        Squares of its windows.
     no_shrink : str or None
-        Why nothing can shrink; None where it can.
+        Why nothing can shrink; None if something can.
     shipped_why : str
-        Why nothing was shipped.
+        Why no figure as shipped exists.
     rng : Generator
-        For the bootstrap over units.
+        Source of randomness for the bootstrap over units.
     """
     units = np.unique(squares.unit).size
     count = rng.multinomial(units, np.full(units, 1 / units), DRAWS)
@@ -347,10 +348,10 @@ def gap_row(
 
 
 def _floor_draws(squares: Squares, count: int, rng: np.random.Generator) -> Array:
-    """Draw the mean square that scatter leaves of a perfect law, shape (count,).
+    """Draw the expected mean square that scatter leaves of a perfect law, shape (count,).
 
-    What scatter left this time is not what it leaves on average: assemblies of much friction
-    make most of it, so that fewer alike would count.
+    The observed mean square differs from its expectation. Assemblies with much friction dominate
+    it, so the effective number of assemblies is smaller than their number.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""How much better the causes predict held-out data, by log predictive densities.
+"""The gain in held-out log predictive density by the causes.
 
 Blocks of assemblies, or of runs and parts of runs of an axis, are left out one at a time. Given the
 noise, the log density of a block given all others is a difference of two log evidences in closed
@@ -51,14 +51,14 @@ class BlockDensities:
 def blocks_of(model: LinearModel, rng: np.random.Generator) -> list[Whole]:
     """Return the block of each trial, rig by rig.
 
-    A block is an assembly; with more than :data:`MOST_BLOCKS` assemblies, a block has several.
+    A block is an assembly; with more than :data:`MOST_BLOCKS` assemblies, it contains several.
 
     Parameters
     ----------
     model : LinearModel
         All rigs.
     rng : Generator
-        Puts assemblies together.
+        Source of randomness for the grouping of assemblies.
     """
     counts = [int(rig.setup.max()) + 1 for rig in model.rigs]
     block = rng.permutation(sum(counts)) % min(MOST_BLOCKS, sum(counts))
@@ -72,24 +72,24 @@ def blocks_of(model: LinearModel, rng: np.random.Generator) -> list[Whole]:
 def block_densities(
     model: LinearModel, search: Search, causes: Collection[str], rng: np.random.Generator
 ) -> BlockDensities | None:
-    """Return the densities of blocks held out, with and without the causes.
+    """Return the log densities of held-out blocks, with and without the causes.
 
     Parameters
     ----------
     model : LinearModel
-        In which the hypotheses were compared.
+        The model in which the hypotheses were compared.
     search : Search
         The hypotheses.
     causes : collection of str
-        Effects that are left out of the law without them.
+        Effects that are removed for the comparison.
     rng : Generator
-        Puts assemblies together in blocks.
+        Source of randomness for the grouping of assemblies in blocks.
 
     Returns
     -------
     BlockDensities or None
-        None where no hypothesis has the causes, or where there are fewer blocks than the
-        rules ask for.
+        None if no hypothesis has the causes, or if there are fewer blocks than the rules
+        require.
     """
     within = [
         weighed
@@ -114,16 +114,15 @@ def block_densities(
     )
 
 
-def least_asked_for(
+def least_needed_cause(
     model: LinearModel, search: Search, causes: Collection[str], rng: np.random.Generator
 ) -> str | None:
-    """Return the cause beside others without which blocks held out are predicted as well.
+    """Return the cause that improves held-out predictions least, if it may improve nothing.
 
-    A pair has to predict better than either of it alone: a law that is wrong by a little is made
-    right by many another effect beside it, and of some twenty the best predicts better by two
-    errors by chance alone. One that predicts every block better stands, however much blocks
-    differ. None where each predicts better by enough errors, or
-    where there is nothing to hold out.
+    A pair must predict better than each effect alone: any of about twenty further effects may
+    correct a slightly wrong law, and the best of them gains two standard errors by chance alone.
+    A cause that improves the density of every block is never returned. None if each cause
+    improves the density by enough standard errors, or if nothing can be held out.
 
     Parameters
     ----------
@@ -143,7 +142,7 @@ def least_asked_for(
 
 
 def _one_by_one(model: LinearModel, best: Weighed) -> tuple[LinearModel, Acting]:
-    """Return a model with the effects of a hypothesis whose trials can be left out."""
+    """Return a model with a hypothesis' effects alone, from which assemblies can be left out."""
     acting = best.acting
     columns = [
         model.candidate(law, shape) for law, shape in zip(acting.laws, acting.shapes, strict=True)
@@ -162,7 +161,7 @@ def _one_by_one(model: LinearModel, best: Weighed) -> tuple[LinearModel, Acting]
 
 
 def _without(acting: Acting, causes: Collection[str]) -> Acting:
-    """Return a hypothesis without some of its effects."""
+    """Return the effects that act, without the causes."""
     kept = [
         (law, shape)
         for law, shape in zip(acting.laws, acting.shapes, strict=True)
@@ -173,7 +172,7 @@ def _without(acting: Acting, causes: Collection[str]) -> Acting:
 
 
 def _rests(model: LinearModel, block: Sequence[Whole]) -> list[Mapping[str, Flags]]:
-    """Return, for each block, which trials of each rig are not in it."""
+    """Return for each block which trials of each rig are outside it."""
     names = [rig.rows.name for rig in model.rigs]
     last = max(int(numbers.max()) for numbers in block)
     return [

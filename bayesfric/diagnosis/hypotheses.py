@@ -47,7 +47,7 @@ class Search:
     doubted : frozenset of str
         Effects without which held-out data are predicted as well. Half of the probability of a
         hypothesis with such an effect moves to the same hypothesis without it.
-    unheard : bool
+    nothing_varied : bool
         Whether no axis varied along which an unknown force could appear. Its evidence is then that
         of `none`.
     """
@@ -62,11 +62,11 @@ class Search:
     foreign: Mapping[Hypothesis, float] = field(default_factory=dict)
     minor: tuple[Hypothesis, float] | None = None
     doubted: frozenset[str] = frozenset()
-    unheard: bool = False
+    nothing_varied: bool = False
 
     @property
     def none(self) -> Weighed:
-        """The baseline alone."""
+        """The hypothesis without effects."""
         return self.weighed[NONE]
 
     def log_prior(self, hypothesis: Hypothesis, none: float | None = None) -> float:
@@ -83,8 +83,8 @@ class Search:
     def with_unknown(self, alone: Unknown, beside: Unknown, effects: Hypothesis) -> "Search":
         """Return the search with an unknown force, alone or together with the effects given.
 
-        The prior of an unknown force that acts together with these effects is multiplied by the
-        prior of these effects, given that effects act: any other effects could have led.
+        If the force acts together with effects, its prior is multiplied by the prior of these
+        effects among all sets of effects, because any other set could have been the best.
         """
         acting = self.priors.one + self.priors.two + self.priors.more
         among = self.log_prior(effects) - np.log(acting)
@@ -103,7 +103,7 @@ class Search:
         values |= {acting: rough for acting, rough in self.rough.items() if acting not in values}
         if self.unknown is not None:
             values[UNKNOWN] = self.unknown.log_evidence
-        elif self.unheard:
+        elif self.nothing_varied:
             values[UNKNOWN] = self.none.log_evidence
         logs = np.array([value + self.log_prior(acting, none) for acting, value in values.items()])
         chances = dict(zip(values, np.exp(logs - logsumexp(logs)).tolist(), strict=True))
@@ -114,13 +114,13 @@ class Search:
         return self._with_foreign(ranked) if self.foreign else ranked
 
     def overruled(self, effects: Hypothesis) -> "Search":
-        """Return the search after held-out data contradicted that effects make the gap."""
+        """Return the search after held-out data contradicted these effects."""
         before = self.foreign.get(effects, 0.0)
         share = 1 - (1 - before) * (1 - RULES.contradicted)
         return replace(self, foreign={**self.foreign, effects: share})
 
     def _without_minor(self, chances: dict[Hypothesis, float]) -> dict[Hypothesis, float]:
-        """Return probabilities, moved from hypotheses with minor effects to the largest alone."""
+        """Move probability from hypotheses with minor effects to the largest effects alone."""
         if self.minor is None:
             return chances
         largest, share = self.minor
@@ -132,7 +132,7 @@ class Search:
         return _ranked(moved)
 
     def _with_doubts(self, chances: dict[Hypothesis, float]) -> dict[Hypothesis, float]:
-        """Return probabilities, half of each doubted effect moved to the hypothesis without it."""
+        """Move half of the probability of each doubted effect to the hypothesis without it."""
         for name in sorted(self.doubted):
             moved = dict(chances)
             for hypothesis, chance in chances.items():
@@ -153,13 +153,13 @@ class Search:
         return _ranked(shared)
 
     def unvisited(self) -> float:
-        """Return the probability of hypotheses that were screened only."""
+        """Return the total probability of hypotheses that were only screened."""
         chances = self.probabilities()
         screened = self.rough.keys() - self.weighed.keys()
         return total(chances.get(hypothesis, 0.0) for hypothesis in screened)
 
     def best(self) -> Weighed:
-        """Return the most probable hypothesis of those with names, none among them."""
+        """Return the most probable hypothesis, except for an unknown force."""
         weighed = list(self.weighed.values())
         if self.minor is not None and self.minor[1] >= RULES.likely:
             weighed = [rival for rival in weighed if not self.minor[0] < rival.hypothesis]
@@ -168,6 +168,6 @@ class Search:
 
 
 def _ranked(chances: Mapping[Hypothesis, float]) -> dict[Hypothesis, float]:
-    """Return probabilities that add up to 1, the largest first, equal ones by their names."""
+    """Return normalised probabilities, the largest first, equal ones by name."""
     added = normalised(chances)
     return dict(sorted(added.items(), key=lambda pair: (-pair[1], str(pair[0]))))

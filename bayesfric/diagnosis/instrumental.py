@@ -1,8 +1,8 @@
-"""What is told where an instrument and least squares are apart: the instrument's numbers.
+"""Reports instrumental-variable estimates where least squares differ from them.
 
-Errors of an encoder, and what disturbs a joint inside its controller's loop, are in the regressors
-of least squares. Where these two are apart by more than chance, the law of the instrument is the
-one to use (IDIM-IV), and nothing is said to leave no gap by numbers that are bent.
+Errors of an encoder, and disturbances inside a joint's control loop, are in the regressors of least
+squares and bias it. If the two estimates differ by more than chance (the instrument alarms), the
+law of the instrument is reported (IDIM-IV), and biased numbers cannot show that there is no gap.
 
 References
 ----------
@@ -29,12 +29,12 @@ NOTHING_WIDER: Factors = MappingProxyType({})
 
 
 def why_bent(instrument: Instrument | str) -> str | None:
-    """Return why the law by least squares says of no gap that it is none; None where it may.
+    """Return why least squares cannot show that there is no gap; None if they can.
 
     Parameters
     ----------
     instrument : Instrument or str
-        Beside least squares, or why there is none.
+        Estimates by an instrument, or why there are none.
     """
     if isinstance(instrument, str) or not instrument.alarms:
         return None
@@ -45,15 +45,15 @@ def why_bent(instrument: Instrument | str) -> str | None:
 
 
 def why_unsettled(instrument: Instrument | str) -> str | None:
-    """Return why the loop may have made what is left, and nothing sets it right; None if not.
+    """Return why the control loop may bias the law beyond repair; None if it does not.
 
-    That least squares are bent is sure by instruments of any strength; by how much is told by
-    strong ones alone.
+    Instruments of any strength can show a bias of least squares; only a strong instrument
+    determines its size.
 
     Parameters
     ----------
     instrument : Instrument or str
-        Beside least squares, or why there is none.
+        Estimates by an instrument, or why there are none.
     """
     if isinstance(instrument, str) or instrument.alarms:
         return None
@@ -66,15 +66,15 @@ def why_unsettled(instrument: Instrument | str) -> str | None:
     )
 
 
-def not_held(instrument: Instrument | str, named: Mapping[str, str]) -> str | None:
-    """Return which causes an instrument that alarms does not tell; None where it tells all.
+def why_unconfirmed(instrument: Instrument | str, named: Mapping[str, str]) -> str | None:
+    """Return which causes an alarming instrument does not confirm; None if it confirms all.
 
     Parameters
     ----------
     instrument : Instrument or str
-        Beside least squares, or why there is none.
+        Estimates by an instrument, or why there are none.
     named : mapping of str to str
-        The causes by least squares, each with the effect whose law it has: itself, or a twin.
+        The causes by least squares, each with the effect whose law it has (itself or a twin).
     """
     if isinstance(instrument, str):
         return None
@@ -85,7 +85,7 @@ def not_held(instrument: Instrument | str, named: Mapping[str, str]) -> str | No
         value = instrument.effects.get(whose)
         if value is None:
             parts.append(f"it does not determine {name}")
-        elif not _is_told(value):
+        elif not _confirms(value):
             unit = "" if value.unit == "1" else f" {value.unit}"
             parts.append(
                 f"{name} is {value.instrumental:.2g} ± {value.instrumental_se:.1g}{unit} by it, "
@@ -100,8 +100,8 @@ def not_held(instrument: Instrument | str, named: Mapping[str, str]) -> str | No
     )
 
 
-def _is_told(value: InstrumentNumber) -> bool:
-    """Return whether an effect acts by the instrument, about as much as by least squares."""
+def _confirms(value: InstrumentNumber) -> bool:
+    """Return whether the instrument's amplitude is significant and not much below least squares."""
     ordinary, instrumental = value.ordinary, value.instrumental * np.sign(value.ordinary)
     return bool(
         instrumental > RULES.instrument_errors * value.instrumental_se
@@ -115,21 +115,21 @@ def by_the_instrument(
     factors: Factors = NOTHING_WIDER,
     scatter: RunScatter | None = None,
 ) -> dict[str, LawNumber]:
-    """Return the numbers of a law, those that an instrument has as it tells them if it alarms.
+    """Return the numbers of a law, with the instrument's estimates if it alarms.
 
-    Where it is sure that least squares are bent, and too weak to set them right, errors are as
-    large as it makes the bend.
+    If the instrument shows a bias but is too weak to correct it, errors are increased by the
+    estimated bias.
 
     Parameters
     ----------
     law : mapping of str to LawNumber
         By least squares.
     instrument : Instrument or str
-        Beside it, or why there is none.
+        Estimates by an instrument, or why there are none.
     factors : mapping of str to tuple of float
-        How many times wider than fitted the numbers are: so are the instrument's.
+        Factors by which intervals are wider than fitted; they apply to the instrument's too.
     scatter : RunScatter or None
-        By how much friction differs from run to run, which an instrument does not say.
+        Scatter of friction from run to run, which the instrument's errors do not contain.
     """
     unsettled = why_unsettled(instrument) is not None
     if isinstance(instrument, str) or not (instrument.alarms or unsettled):
@@ -146,29 +146,29 @@ def by_the_instrument(
         if scatter is not None and name in FRICTION:
             of_runs = value.instrumental * scatter.share / np.sqrt(scatter.runs)
             error = float(np.hypot(error, of_runs))
-        numbers[name] = _number_told(name, number, value.instrumental, error)
+        numbers[name] = _instrumental_number(name, number, value.instrumental, error)
     return numbers
 
 
 def causes_by_the_instrument(
     causes: Sequence[Cause], instrument: Instrument | str, examined: Mapping[str, Effect]
 ) -> tuple[Cause, ...]:
-    """Return causes, their amplitudes as an instrument tells them if it alarms.
+    """Return causes, with the instrument's amplitudes if it alarms.
 
     Parameters
     ----------
     causes : sequence of Cause
         By least squares.
     instrument : Instrument or str
-        Beside them, or why there is none.
+        Estimates by an instrument, or why there are none.
     examined : mapping of str to Effect
-        All effects that are examined.
+        All examined effects.
     """
     if isinstance(instrument, str) or not instrument.alarms:
         return tuple(causes)
     amended: list[Cause] = []
     for cause in causes:
-        key = next(iter(cause.parameters))  # of a twin's law, TWIN.NAME
+        key = next(iter(cause.parameters))  # for a twin's law: TWIN.NAME
         whose = key.rpartition(".")[0] or cause.effect
         value, effect = instrument.effects.get(whose), examined.get(whose, examined[cause.effect])
         if value is None or key.rpartition(".")[2] != effect.amplitude.name:
@@ -176,7 +176,7 @@ def causes_by_the_instrument(
             continue
         least = 0.0 if is_positive(effect.amplitude.prior) else -np.inf
         before = cause.parameters[key]
-        # The instrument holds the shape, whose error the posterior has beside that of the noise.
+        # The instrument's fit fixes the shape; the posterior sd contains the shape's error too.
         shape2 = max((before.sd or 0.0) ** 2 - value.ordinary_se**2, 0.0)
         error = float(np.hypot(value.instrumental_se, np.sqrt(shape2)))
         amplitude = Interval.of(*normal_above(value.instrumental, error, least))
@@ -192,13 +192,13 @@ def causes_by_the_instrument(
 
 
 def _by_as_much(name: str, number: LawNumber, value: InstrumentNumber) -> LawNumber:
-    """Return a number with an error as large as least squares may be bent."""
+    """Return a number whose error includes the estimated bias of least squares."""
     bend, sd = abs(value.instrumental - value.ordinary), number.after.sd
     factor = float(np.hypot(1.0, bend / sd)) if sd > 0 else 1.0
     return number.model_copy(update={"after": wider(number.after, factor, name)})
 
 
-def _number_told(name: str, number: LawNumber, mean: float, error: float) -> LawNumber:
+def _instrumental_number(name: str, number: LawNumber, mean: float, error: float) -> LawNumber:
     least = -np.inf if name in SIGNED else 0.0
     after = Interval.of(*normal_above(mean, error, least))
     after = after if name in SIGNED else open_below(after)

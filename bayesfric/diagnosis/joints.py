@@ -1,4 +1,4 @@
-"""Diagnoses of all joints of a machine, as one."""
+"""Combines the diagnoses of all joints of a machine."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -24,26 +24,26 @@ IN_WORDS = {
 }
 
 
-def diagnosed_together(
+def diagnose_joints(
     parted: Mapping[str, Recording],
     diagnosed: Callable[[Recording, Path | None], Diagnosed],
     checkpoint: Path | None,
 ) -> Diagnosed:
-    """Diagnose each joint by itself, and say what that makes of the machine.
+    """Diagnose each joint separately, and return one result for the machine.
 
     Parameters
     ----------
     parted : mapping of str to Recording
-        By joint.
+        Recordings by joint.
     diagnosed : callable
-        Of one recording, and the folder that keeps what is weighed.
+        Diagnoses one recording; its second argument is the folder of its checkpoint.
     checkpoint : Path or None
-        That of all joints.
+        Checkpoint folder of all joints.
 
     Raises
     ------
     InputError
-        No joint can be diagnosed: why, of each.
+        No joint can be diagnosed; the message contains the reason for each.
     """
     by_joint, left_out = _by_joint(parted, diagnosed, checkpoint)
     decides = min(by_joint, key=lambda joint: ORDER.index(by_joint[joint].summary.verdict))
@@ -88,7 +88,7 @@ def _by_joint(
     diagnosed: Callable[[Recording, Path | None], Diagnosed],
     checkpoint: Path | None,
 ) -> tuple[dict[str, Diagnosed], list[str]]:
-    """Return the diagnosis of each joint that has one, and why others have none."""
+    """Return the diagnosis of each joint, and the reasons of joints without one."""
     by_joint: dict[str, Diagnosed] = {}
     faults: list[Fault] = []
     left_out: list[str] = []

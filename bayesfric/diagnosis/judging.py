@@ -1,4 +1,4 @@
-"""From hypotheses with evidences to causes: what the diagnosis reports of each effect.
+"""Sorts effects into causes, present and possible ones, from hypotheses with evidences.
 
 Each law of an effect may have a relative error, so effects may imitate an unlisted force. What they
 leave of the gap without these errors shows this. If effects leave more than a given part of the
@@ -34,33 +34,33 @@ from bayesfric.hypothesis import UNKNOWN, Hypothesis
 from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.physics.friction import Coefficients
 
-PASSES = 2  # over shapes of several causes, one at a time
+PASSES = 2  # over the shapes of causes, one shape at a time
 
 
 @dataclass(frozen=True)
 class Judged:
-    """Effects sorted, and what they were sorted by.
+    """Sorted effects, and the results by which they were sorted.
 
     Parameters
     ----------
     search : Search
-        Hypotheses; what leaves too much counts as unknown.
+        Hypotheses; effects that leave too much of the gap count as an unknown force.
     settled : At
-        The most probable, at its noise.
+        The most probable hypothesis at the mode of its noise.
     residuals : Residuals
-        Windows at that noise.
+        Windows at these noise parameters.
     posterior : Posterior
-        Draws.
+        Draws over all hypotheses.
     effects_known : list of KnownEffect
-        What is known of each effect.
+        Probability and strength of each effect.
     named, present, possible : list of str
-        Causes, those too weak to matter, and those that are possible.
+        Causes, effects too weak to matter, and possible effects.
     arms : Arms
         The law without and with the causes.
     plain : Residuals
-        Windows of the first of these.
+        Windows of `arms.plain`.
     above : float
-        Probability that the gap is practical or more.
+        Probability that the gap is at least of practical size.
     """
 
     search: Search
@@ -83,12 +83,12 @@ def judge(
     practical: float,
     rng: np.random.Generator,
 ) -> Judged:
-    """Sort effects, and count as unknown what named ones cannot have made.
+    """Sort effects; a gap that they cannot make counts as an unknown force.
 
     Parameters
     ----------
     model : LinearModel
-        In which the hypotheses were compared.
+        The model in which the hypotheses were compared.
     search : Search
         The hypotheses.
     shipped : mapping of str to Coefficients
@@ -113,7 +113,7 @@ def judge(
 
     share, again = leaves(judged), judged
     if share >= RULES.rare:
-        # A shape that was fitted together with an error of its law may be poor without this error.
+        # A shape that was fitted with an error of its law may be poor without this error.
         reshaped = _reshaped(model, judged)
         other = share if reshaped is None else leaves(reshaped)
         if reshaped is not None and other < share:
@@ -131,10 +131,10 @@ def judge(
 
 
 def _with_causes(model: LinearModel, force: Unknown, best: Weighed) -> Unknown:
-    """Return the unknown force beside the effects that leave too much, where data ask for these.
+    """Return the unknown force, with the effects that leave too much if these fit better.
 
-    What they take of the gap is there, whoever makes it. Where no smooth force is like it, the
-    force alone has a scatter that takes it up, and with that no gap and no true floor.
+    These effects explain a part of the gap, whatever causes it. If no smooth force resembles this
+    part, the scatter of a force alone would absorb it, and gap and floor would be wrong.
     """
     at = model.full.evaluate(best.at.psi, best.acting, force.best, best.forms)
     if at.value <= force.at.value:
@@ -143,7 +143,7 @@ def _with_causes(model: LinearModel, force: Unknown, best: Weighed) -> Unknown:
 
 
 def _reshaped(model: LinearModel, judged: Judged) -> Judged | None:
-    """Return the causes at shapes that leave least of the gap; None where none has a shape."""
+    """Return the causes at the shapes that leave least of the gap; None if none has a shape."""
     causes, force = judged.arms.causes, judged.posterior.force
     laws = [
         next(law for law in model.lawbook[cause.effect] if law.law == cause.law)
@@ -226,12 +226,12 @@ def _leaves_too_much(
     Parameters
     ----------
     judged : Judged
-        Effects, sorted.
+        Sorted effects.
     practical : float
         Practical share of friction.
     own_force : callable
-        Of a hypothesis that has more effects than the causes, to the force of each of its own:
-        these others leave nothing that nobody named. None is that of the causes alone.
+        Function of a hypothesis that returns the forces of its effects beyond the causes, which
+        count as explained; it returns None if there are none.
     """
     residuals, posterior = judged.residuals, judged.posterior
     if not judged.arms.causes.laws:
@@ -257,16 +257,16 @@ def _leaves_too_much(
 def _largest_alone(
     model: LinearModel, search: Search, judged: Judged, practical: float
 ) -> tuple[Hypothesis, float] | None:
-    """Return the effects that make most of the gap, where others only imitate what is left.
+    """Return the largest effects if the other effects only imitate an unknown force.
 
-    Beside gravity of many times friction all else is a small part of the gap. So the others are
-    asked what they take of the gap that the largest leave: where a force stays that no effect
-    makes, and is no small part of that, it is like them, and they are none of its causes.
+    If gravity is many times friction, all other effects are a small part of the gap. So these
+    are compared with the gap that the largest effects leave. If they leave too much of it to an
+    unexplained force, they imitate this force and are not causes.
 
     Returns
     -------
     tuple of (Hypothesis, float), or None
-        The largest effects, and how probably the others imitate; None where there are no others.
+        The largest effects, and the probability that the others imitate; None without others.
     """
     best, residuals, posterior = search.best(), judged.residuals, judged.posterior
     names = [law.effect for law in best.acting.laws]
@@ -301,7 +301,7 @@ def _largest_alone(
 def _own_force(
     model: LinearModel, search: Search, judged: Judged, acting: Hypothesis
 ) -> Array | None:
-    """Return the force of each effect of a hypothesis beyond the causes, the law recalibrated."""
+    """Return the forces of a hypothesis' effects beyond the causes, after recalibration."""
     weighed = search.weighed.get(acting)
     if weighed is None or acting == Hypothesis(judged.named):
         return None
@@ -347,7 +347,7 @@ def _around_causes(
     phases: tuple[Law, ...],
     like: Arms,
 ) -> Arms:
-    """Return the law without and with causes, at the noise of other arms."""
+    """Return the law without and with causes, at the noise parameters of other arms."""
     own = [model.candidate(law, shape) for law, shape in zip(laws, shapes, strict=True)]
     plain = model.around(model.laws, own, discrepancy=False)
     acting = tuple(

@@ -1,4 +1,4 @@
-"""The numbers of the law, with and without what acts beside it."""
+"""The numbers of the law, without and with the effects."""
 
 from dataclasses import dataclass
 
@@ -21,16 +21,16 @@ FRICTION = frozenset({"coulomb", "viscous"})
 
 @dataclass(frozen=True)
 class RunScatter:
-    """By how much friction differs from run to run.
+    """Scatter of friction from run to run.
 
     Parameters
     ----------
     share : float
-        Standard deviation over runs, of friction.
+        Standard deviation over runs, relative to friction.
     runs : int
-        How many there are.
+        Number of runs.
     modelled : float
-        What of it the model takes for scatter already, as a standard deviation over runs.
+        The part that the model contains as scatter already, as a standard deviation over runs.
     """
 
     share: float
@@ -38,10 +38,10 @@ class RunScatter:
     modelled: float = 0.0
 
     def deviations(self, count: int, rng: np.random.Generator) -> Array:
-        """Draw what the model leaves out of how far the mean of the machine is from these runs'.
+        """Draw the deviation of the machine's mean from these runs' that the model lacks, (S,).
 
-        With the model's own normal scatter its 90 % interval is that of Student's t, of friction,
-        (S,).
+        It is relative to friction. Together with the normal scatter of the model, its 90 %
+        interval is that of Student's t.
         """
         student, normal = stdtrit(self.runs - 1, 0.95), ndtri(0.95)
         beyond2 = max(self.share**2 - (self.modelled * normal / student) ** 2, 0.0)
@@ -50,18 +50,18 @@ class RunScatter:
 
 
 def scatter_of_runs(model: LinearModel, residuals: Residuals, left: Array) -> RunScatter | None:
-    """Return by how much friction differs from run to run; None of pulleys, and of few runs.
+    """Return the scatter of friction from run to run; None for pulleys and for few runs.
 
-    The law of a joint is to hold for runs to come, and not only for those that were recorded.
+    The law of a joint must hold for future runs, not only for the recorded ones.
 
     Parameters
     ----------
     model : LinearModel
-        In which the hypotheses were compared.
+        The model in which the hypotheses were compared.
     residuals : Residuals
         Windows.
     left : ndarray, shape (R,)
-        Force that the law leaves in them, with the causes [N].
+        Residual force of the law with the causes in these windows [N].
     """
     table = model.rigs[0].rows.table
     if not model.data.rigs[0].along_path:
@@ -69,7 +69,7 @@ def scatter_of_runs(model: LinearModel, residuals: Residuals, left: Array) -> Ru
     runs, run_of_trial = np.unique(table["run"].to_numpy(dtype=np.str_), return_inverse=True)
     if runs.size < RULES.runs_of_scatter:
         return None
-    own = residuals.trial < run_of_trial.size  # points of friction may stand behind the joint
+    own = residuals.trial < run_of_trial.size  # friction points of a bench may follow the joint
     run = run_of_trial[residuals.trial[own]]
     friction, weight = residuals.friction_n[own], residuals.weight[own]
     along = np.bincount(run, weight * friction * left[own], runs.size)
@@ -92,24 +92,24 @@ def law_of_diagnosis(
     scatter: RunScatter | None,
     rng: np.random.Generator,
 ) -> dict[str, LawNumber]:
-    """Return each number of the law that is not held and does anything here, by name.
+    """Return each number of the law that is free and affects these data, by name.
 
     Parameters
     ----------
     model : LinearModel
-        In which the hypotheses were compared.
+        The model in which the hypotheses were compared.
     psi : ndarray
-        Logarithms of the noise of the law alone, to begin with.
+        Logarithms of the noise parameters from which the law alone is climbed.
     posterior : Posterior
         Draws over all hypotheses.
     residuals : Residuals
-        Windows, in which a number shows.
+        Windows of the recording.
     scatter : RunScatter or None
-        Of friction from run to run, an error of the law's friction.
+        Scatter from run to run, added to the error of the law's friction.
     rng : Generator
         Source of randomness.
     """
-    # Friction that scatters as that of some effect would take its place.
+    # Scatter with the pattern of an effect would replace this effect.
     has_model = ARMATURE in model.data.rigs[0].in_simulator
     called = {MASS: ARMATURE if has_model else INERTIA}
     untold = {name for rig in model.data.rigs for name in rig.untold}
@@ -141,7 +141,7 @@ def law_of_diagnosis(
 
 
 def _beside_the_law(alone: LinearModel, at: At, posterior: Posterior) -> dict[str, LawNumber]:
-    """Return the nuisances that a reader knows as numbers of the law, such as an offset."""
+    """Return the nuisances that are reported as numbers of the law, such as an offset."""
     by_name, start = {}, 0
     count = sum(alone.layout.nuisances)
     for rig, own in zip(alone.data.rigs, alone.layout.nuisances, strict=True):

@@ -1,9 +1,10 @@
-"""Draws of a hypothesis: what it leaves open has a size of its own along each axis.
+"""Draws of a hypothesis' numbers, with unknown sizes of its small terms.
 
-Smooth forces along an axis, the small amounts of an effect and the other forms of an effect
-along an axis may each be nothing or all that a hypothesis allows. How large one is says nothing
-of another: of forces along the travel events tell to a thousandth of friction, of a difference
-between the ends scatter hides three times as much.
+The small terms are smooth forces along an axis, small amounts of an effect, and other forms of an
+effect along an axis. Each has an unknown size of its own, between nothing and what the hypothesis
+allows. The sizes are independent, because the data inform them very differently: events resolve
+forces along the travel to a thousandth of friction; scatter hides three times as much of a
+difference between the ends.
 """
 
 import numpy as np
@@ -16,30 +17,30 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.inference.group_sizes import Group, drawn_in_groups
 from bayesfric.observation.layout import COEFFICIENTS
 
-# Of the rms that is listed; the smaller, the likelier: most effects leave no trace.
+# Multiples of the prior rms; smaller sizes are likelier, since most effects are absent.
 SIZES = np.array([0.1, 0.3, 1.0])
 
 
 def drawn_numbers(
     model: LinearModel, weighed: Weighed, count: int, rng: np.random.Generator
 ) -> Array:
-    """Draw the numbers of a hypothesis, over the size of each thing that it leaves open.
+    """Draw the numbers of a hypothesis, averaged over the sizes of its small terms.
 
     Parameters
     ----------
     model : LinearModel
-        In which it was weighed.
+        The model in which the hypothesis was evaluated.
     weighed : Weighed
         The hypothesis.
     count : int
-        S of draws.
+        Number S of draws.
     rng : Generator
         Source of randomness.
 
     Returns
     -------
     ndarray, shape (S, p)
-        Amplitudes that cannot be negative may be so here.
+        Positive amplitudes are not truncated here and may be negative.
     """
     information = model.evaluate(weighed.at.psi, weighed.acting).information
     priors = [model.amplitude_prior(law) for law in weighed.acting.laws]
@@ -70,16 +71,16 @@ def drawn_numbers(
 
 
 def sized_places(model: LinearModel, acting: int) -> Whole:
-    """Return where numbers stand that have sizes of their own, beside so many effects that act.
+    """Return the positions of the numbers with an unknown size.
 
     They are those of smooth forces, small amounts and other forms.
 
     Parameters
     ----------
     model : LinearModel
-        With the numbers.
+        The model with these numbers.
     acting : int
-        How many effects with columns act.
+        Number of acting effects with columns.
     """
     layout, sizes = model.layout, len(model.layout.sizes)
     own = [np.arange(COEFFICIENTS, layout.own) + layout.own * size for size in range(sizes)]
@@ -88,7 +89,7 @@ def sized_places(model: LinearModel, acting: int) -> Whole:
 
 
 def _groups(model: LinearModel) -> tuple[Array, list[Group]]:
-    """Return what makes a model's numbers of those that have sizes, and these by what they are."""
+    """Return the map from the small terms to the model's numbers, and the terms in groups."""
     full, sizes, forms = model.full, len(model.layout.sizes), len(model.forms)
     of_own, of_shared = np.eye(full.layout.smooths), np.eye(full.layout.shared - forms)
     if model.squeeze is not None:

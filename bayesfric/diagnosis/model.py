@@ -1,4 +1,4 @@
-"""All rigs as one linear model, whose evidence is a closed form given the noise.
+"""All rigs as one linear model, whose evidence has a closed form given the noise.
 
 The noise (scatter of friction, errors of events and currents) is not linear. Its derivatives have
 closed forms too (Fisher's identity), and each hypothesis has the noise at its own mode.
@@ -15,9 +15,9 @@ from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.acting import Acting, At, Law, lawbook, phase_name
 from bayesfric.diagnosis.discrepancy import Discrepancy, Wide, discrepancy_share
 from bayesfric.diagnosis.forms import Form, FormShare
+from bayesfric.diagnosis.information_cache import InformationCache
 from bayesfric.diagnosis.model_numbers import ModelNumbers
 from bayesfric.diagnosis.noise import Noise
-from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.scales import rms_friction
 from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.inference.information import Information, Reduced
@@ -28,8 +28,8 @@ from bayesfric.observation.linear import Evaluated, LinearRig, heavy_scatter, wi
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
 
-REWEIGHTINGS = 60  # of Student-t deviations at one noise
-SETTLED = 1e-5  # of the logarithm of a weight, of which slopes are differenced
+REWEIGHTINGS = 60  # at most, of Student-t deviations at given noise parameters
+SETTLED = 1e-5  # change of a log weight; small because slopes are differenced
 
 
 class LinearModel(ModelNumbers):
@@ -38,7 +38,7 @@ class LinearModel(ModelNumbers):
     Parameters
     ----------
     data : Data
-        Trials that enter.
+        Trials that are used.
     laws : mapping of str to Coefficients
         The reference law of each pulley size.
     candidates : sequence of Candidate
@@ -46,18 +46,18 @@ class LinearModel(ModelNumbers):
     analysis : Analysis
         Priors.
     fixed : frozenset of str
-        Coefficients that are held at the reference law, ``c1`` or ``c1[small]``.
+        Coefficients that are fixed at the reference law, ``c1`` or ``c1[small]``.
     discrepancy : bool
         Whether there are smooth forces and small amounts.
     scattering : sequence of (Candidate, float)
-        Effects that act, with their amplitudes: what they add to friction scatters with it,
-        trials start to move with them, and sensors disagree unevenly by them.
+        Acting effects with their amplitudes. The force that they add to friction scatters
+        with it; the start of trials and the disagreement of sensors are computed with them.
     small : sequence of (Candidate, float), or None
-        Small amounts of effects; None is of all candidates.
+        Effects with the rms of their small amounts; None is all candidates.
     forms : sequence of Form
-        What laws may be wrong by.
+        Errors of the laws of effects.
     together : mapping of str to ndarray of int
-        By rig: the set of trials with which each can be left out.
+        By rig: the group of each trial; groups can be left out as a whole.
     row_weights : mapping of str to ndarray, or None
         As of :class:`~bayesfric.observation.layout.ModelColumns`.
     heavy : sequence of HeavyScatter or None, or None
@@ -109,12 +109,12 @@ class LinearModel(ModelNumbers):
             self.rigs = tuple(map(with_heavy_scatter, self.rigs, heavy))
         self.noise = Noise(parameter for rig in self.rigs for parameter in rig.noise)
         self.lawbook = lawbook(self.candidates)
-        self.said = Said()
+        self.information_cache = InformationCache()
         self.squeezed_from: LinearModel | None = None
         self.squeeze: Array | None = None
 
     def _columns(self, together: Mapping[str, Whole]) -> ModelColumns:
-        """Return what each rig lays its rows out for."""
+        """Return the columns that each rig's rows must have."""
         shared: list[Smooth | Candidate] = [*self.discrepancy.shared]
         shared += [candidate for candidate, _ in self._small]
         return ModelColumns(
@@ -133,8 +133,8 @@ class LinearModel(ModelNumbers):
 
     @property
     def full(self) -> "LinearModel":
-        """The model with all its numbers."""
-        # Not kept as an attribute: a model that holds itself outlives its use.
+        """The model with all its numbers: this one, or the one that it was squeezed from."""
+        # Not an attribute: a model that refers to itself would stay in memory.
         return self.squeezed_from or self
 
     def around(
@@ -175,12 +175,12 @@ class LinearModel(ModelNumbers):
         above: float = -np.inf,
         used: Mapping[str, Flags] | None = None,
     ) -> At:
-        """Return a hypothesis at one noise.
+        """Evaluate a hypothesis at given noise parameters.
 
         Parameters
         ----------
         psi : ndarray
-            Logarithms of the noise, then of the amplitudes of effects with phases.
+            Logarithms of the noise parameters, then of the amplitudes of effects with phases.
         acting : Acting
             Effects.
         wide, form
@@ -188,9 +188,9 @@ class LinearModel(ModelNumbers):
         gradient : bool
             Whether derivatives are wanted.
         above : float
-            Value that a hypothesis must exceed for its derivatives to be made.
+            Derivatives are computed only if the value exceeds this.
         used : mapping of str to ndarray of bool, or None
-            Trials of each rig that enter, by rig; None is all.
+            Trials that are used, by rig; None is all.
         """
         parts, information = self._evaluated(psi, self.mixing(acting), acting.phases, used)
         at = self.integrated(psi, acting, information, wide, form)
@@ -218,7 +218,7 @@ class LinearModel(ModelNumbers):
 
     @property
     def weight_volume(self) -> float:
-        """What integrals over these weights add to a log evidence at their mode."""
+        """Log of the Laplace integral over these weights, relative to their mode."""
         return sum(float(heavy.volume.sum()) for heavy in self.heavy if heavy is not None)
 
     def reweighted(
@@ -228,7 +228,7 @@ class LinearModel(ModelNumbers):
         wide: Wide | None = None,
         form: Mapping[str, FormShare] | None = None,
     ) -> "LinearModel":
-        """Return the model with the weights that Student-t deviations have in a hypothesis.
+        """Return the model with the weights of Student-t deviations under a hypothesis.
 
         Parameters
         ----------
@@ -238,7 +238,7 @@ class LinearModel(ModelNumbers):
         Returns
         -------
         LinearModel
-            This one where all scatter is normal.
+            This model if all scatter is normal.
         """
         model = self
         if not any(self.heavy):
@@ -265,7 +265,8 @@ class LinearModel(ModelNumbers):
 
     def _with_heavy(self, heavy: Sequence[HeavyScatter | None]) -> "LinearModel":
         model = copy(self)
-        model.rigs, model.said = tuple(map(with_heavy_scatter, self.rigs, heavy)), Said()
+        model.rigs = tuple(map(with_heavy_scatter, self.rigs, heavy))
+        model.information_cache = InformationCache()
         if self.squeezed_from is not None:
             model.squeezed_from = self.squeezed_from._with_heavy(heavy)
         return model
@@ -278,7 +279,7 @@ class LinearModel(ModelNumbers):
         wide: Wide | None = None,
         form: Mapping[str, FormShare] | None = None,
     ) -> At:
-        """Return a hypothesis at one noise where the information on its numbers is known."""
+        """Evaluate a hypothesis from the data's information on its numbers."""
         mean, sd = self.prior([self.amplitude_prior(law) for law in acting.laws], wide, form)
         value, centre, covariance = information.integrated(mean, sd)
         value += self.log_prior(psi, acting)[0]
@@ -305,7 +306,7 @@ class LinearModel(ModelNumbers):
         information = sum((part.information for part in parts[1:]), parts[0].information)
         return parts, replace(information, constant=information.constant + constant)
 
-    def said_of(
+    def information_on(
         self,
         psi: Array,
         places: Sequence[int],
@@ -313,9 +314,9 @@ class LinearModel(ModelNumbers):
         *,
         only_these: bool = False,
     ) -> Information:
-        """Return what the data say of the numbers with some candidates as effects.
+        """Return the data's information on the numbers, with the given candidates as effects.
 
-        What is said of all candidates is kept, unless it is of no use to other hypotheses.
+        The information on all candidates is cached for other hypotheses, unless `only_these`.
         """
 
         def computed(those: Sequence[int]) -> Information:
@@ -325,12 +326,12 @@ class LinearModel(ModelNumbers):
         if phases or only_these:
             return computed(places)
         first = self.layout.own * len(self.layout.sizes)
-        return self.said.of(psi, places, len(self.candidates), first, computed)
+        return self.information_cache.of(psi, places, len(self.candidates), first, computed)
 
     def reduced_of(
         self, information: Information, form: Mapping[str, FormShare] | None, places: Sequence[int]
     ) -> Reduced:
-        """Return the quadratic form in candidates' numbers, all else taken up."""
+        """Return the quadratic form in the candidates' amplitudes, other numbers integrated out."""
         priors = [self.candidates[place].effect.amplitude.prior for place in places]
         mean, sd = self.prior(priors, None, form)
         return information.reduced(mean, sd, self.places(len(places)))
@@ -342,14 +343,14 @@ class LinearModel(ModelNumbers):
         form: Mapping[str, FormShare] | None = None,
         places: Sequence[int] | None = None,
     ) -> Reduced:
-        """Return the quadratic form in candidates' numbers, all that is not an effect taken up.
+        """Return the quadratic form in the candidates' amplitudes, other numbers integrated out.
 
         Parameters
         ----------
         psi, acting, form
-            As of :meth:`evaluate`; of the effects only phases enter.
+            As for :meth:`evaluate`; only the effects with phases are used.
         places : sequence of int, or None
             The candidates; None is all.
         """
         chosen = list(range(len(self.candidates))) if places is None else list(places)
-        return self.reduced_of(self.said_of(psi, chosen, acting.phases), form, chosen)
+        return self.reduced_of(self.information_on(psi, chosen, acting.phases), form, chosen)

@@ -1,4 +1,4 @@
-"""The numbers of a linear model: where they stand, in which units, and what is known before.
+"""The numbers of a linear model: their order, their units and their priors.
 
 They are the coefficients of the law by pulley size, the amplitudes of effects, smooth forces, small
 amounts and nuisances of rigs.
@@ -25,34 +25,34 @@ from bayesfric.observation.layout import COEFFICIENTS, Layout
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
 
-# Of the scale of a coefficient, whatever the units: a law whose friction is above zero.
+# Least coefficients, relative to their scale, so that friction is positive in any units.
 LEAST = {"c1": 1e-3, "c2": 2.5e-4, "c3": -np.inf}
-# The same where a machine's own prior says how large it may be: all is counted in friction of the
-# law, and a law that gravity leaves none has a hundredth of what the drive gives.
+# The same for a machine with its own prior. Effects are relative to the law's friction, so a law
+# without friction beside gravity gets a hundredth of the scale of that prior.
 LEAST_OWN = {"c1": 0.01, "c2": 0.01, "c3": -np.inf}
-# A rotor beside gravity may have less: what is told of a number has a bound of its own.
+# Bounds of draws, which are reported: friction of a rotor beside gravity may be smaller.
 LEAST_DRAWN = {"c1": 1e-4, "c2": 1e-4, "c3": -np.inf}
 
 
 class ModelNumbers:
-    """What a linear model knows of its numbers without any data.
+    """The numbers of a linear model without data: order, scales and priors.
 
     Attributes
     ----------
     data, laws, candidates, analysis, fixed, forms
-        As of :class:`~bayesfric.diagnosis.model.LinearModel`.
+        As in :class:`~bayesfric.diagnosis.model.LinearModel`.
     discrepancy : Discrepancy
         Smooth forces and small amounts.
     layout : Layout
-        Where the numbers stand.
+        Positions of the numbers.
     scales : ndarray
-        Units in which they are counted.
+        Units of the numbers.
     noise : Noise
-        Of all rigs.
+        Noise parameters of all rigs.
     lawbook : mapping of str to tuple of Law
         Laws of each effect.
     squeeze : ndarray or None
-        Of a model with fewer numbers, what these are of the smooth forces.
+        For a squeezed model: its numbers as combinations of the original ones; else None.
     """
 
     data: Data
@@ -69,7 +69,7 @@ class ModelNumbers:
     squeeze: Array | None
 
     def _laid_out(self, nuisances: Sequence[Sequence[float]]) -> tuple[Layout, Array]:
-        """Return where the numbers stand, beside so many nuisances a rig, and their scales."""
+        """Return the layout of the numbers, and their scales, for the nuisances of each rig."""
         own, smooths, small = self.discrepancy.own, self.discrepancy.shared, self._small
         layout = Layout(
             self.data.sizes,
@@ -97,38 +97,38 @@ class ModelNumbers:
 
     @property
     def acting_axes(self) -> tuple[str, ...]:
-        """Axes along which there are smooth forces that are no effect, each once."""
+        """Axes of the smooth forces, without axes that an effect represents."""
         owned = {candidate.effect.two_ends for candidate in self.candidates}
         axes = dict.fromkeys(smooth.axis for smooth in self.discrepancy.smooths)
         return tuple(axis for axis in axes if axis not in owned)
 
     def candidate(self, law: Law, shape: float) -> Candidate:
-        """Return the candidate of a law at a shape."""
+        """Return a law's candidate at a shape."""
         return replace(self.candidates[law.places[0]], node=shape)
 
     def analysed(self, name: str) -> Effect:
-        """Return an effect by its name."""
+        """Return the effect with this name, as it is analysed."""
         return next(
             candidate.effect for candidate in self.candidates if candidate.effect.name == name
         )
 
     def merge(self, members: Sequence[Sequence[str]]) -> None:
-        """Let the first effect of each class of identical ones have the laws of all."""
+        """Give the first effect of each class of identical effects the laws of all."""
         self.lawbook = merged(self.lawbook, members)
 
     def mixing(self, acting: Acting) -> Array:
-        """Return the columns of effects as mixtures of candidates, (candidates, k)."""
+        """Return the combination of candidates in each effect's column, (candidates, k)."""
         mixing = np.zeros((len(self.candidates), len(acting.laws)))
         for column, (law, shape) in enumerate(zip(acting.laws, acting.shapes, strict=True)):
             mixing[list(law.places), column] = law.weights(np.asarray(shape))
         return mixing
 
     def places(self, count: int) -> Whole:
-        """Return where the effects of a hypothesis stand among its numbers."""
+        """Return the positions of a hypothesis' effects among its numbers."""
         return self.layout.own * len(self.layout.sizes) + np.arange(count)
 
     def mixed(self, said: Information, places: Sequence[int], acting: Acting) -> Information:
-        """Return what is said of a hypothesis, where is known what is said of its candidates."""
+        """Return the information on a hypothesis' numbers, from that on its candidates."""
         return said.mixed(self.places(len(places)), self.mixing(acting)[list(places)])
 
     def prior(
@@ -139,18 +139,18 @@ class ModelNumbers:
         *,
         discrepancy: float = 1.0,
     ) -> tuple[Array, Array]:
-        """Return mean and standard deviation of the numbers before the data.
+        """Return prior means and standard deviations of the numbers.
 
         Parameters
         ----------
         priors : sequence of Prior
-            Of the amplitudes of the effects that act.
+            Priors of the amplitudes of acting effects.
         wide : Wide or None
-            Smooth forces that are wider than the discrepancy.
+            Smooth forces with a larger rms than in the discrepancy.
         form : mapping of str to FormShare, or None
-            By which share of what they do the laws of effects may be wrong; none else.
+            Relative error of the law of each effect; laws that are not listed are exact.
         discrepancy : float
-            By what the rms of the discrepancy is multiplied.
+            Factor of the discrepancy's rms.
         """
         layout, sizes = self.layout, len(self.layout.sizes)
         if self.squeeze is None:
@@ -178,7 +178,7 @@ class ModelNumbers:
         )
 
     def log_prior(self, psi: Array, acting: Acting) -> tuple[float, Array]:
-        """Return the log prior density of the logarithms of the noise, and its gradient."""
+        """Return the log prior density of the log noise parameters, and its gradient."""
         return self.noise.log_prior(psi, [self.amplitude_prior(law) for law in acting.phases])
 
     def amplitude_prior(self, law: Law) -> Prior:
@@ -186,11 +186,11 @@ class ModelNumbers:
         return self.candidates[law.places[0]].effect.amplitude.prior
 
     def amplitude_scale(self, law: Law) -> float:
-        """Return the unit in which the amplitude of an effect is counted."""
+        """Return the unit of an effect's amplitude in the model."""
         return float(self.scales[self.layout.own + law.places[0]])
 
     def amplitudes(self, at: At, acting: Acting) -> list[tuple[Candidate, float]]:
-        """Return effects with columns, with the posterior means of their amplitudes."""
+        """Return effects with columns, and the posterior means of their amplitudes."""
         values = at.mean[self.places(len(acting.laws))]
         return [
             (self.candidate(law, shape), float(value) * self.amplitude_scale(law))
@@ -198,7 +198,7 @@ class ModelNumbers:
         ]
 
     def fitted_laws(self, at: At) -> dict[str, Coefficients]:
-        """Return the law of each size given the data, at the posterior mean."""
+        """Return the posterior mean of each size's law."""
         own, sizes = self.layout.own, self.layout.sizes
         moves = at.mean[: own * len(sizes)].reshape(len(sizes), own)
         coefficients = self.coefficients_of(moves[:, : len(Coefficients._fields)])
@@ -208,16 +208,16 @@ class ModelNumbers:
         }
 
     def coefficients_of(self, moves: Array, *, drawn: bool = False) -> Array:
-        """Return coefficients that are so far from the model's, in its scales, (…, sizes, 3).
+        """Return the reference coefficients plus moves in the model's scales, (…, sizes, 3).
 
-        None is below what a law may have. Of draws, those below are drawn anew above.
+        Coefficients have lower bounds. Draws below a bound are drawn again above it.
 
         Parameters
         ----------
         moves : ndarray, shape (…, sizes, 3)
-            How far.
+            Differences from the reference law.
         drawn : bool
-            Whether they are draws, along the first axis.
+            Whether the first axis contains draws.
         """
         origin = np.array([[float(np.asarray(value)) for value in self.laws[size]]
                            for size in self.layout.sizes])  # fmt: skip
@@ -228,7 +228,7 @@ class ModelNumbers:
         return np.asarray(np.where(self.free, np.maximum(moved, least), origin))
 
     def least(self, size: str, *, drawn: bool) -> Array:
-        """Return the least of each coefficient of a size, of draws or of a law, shape (3,)."""
+        """Return the lower bounds of a size's coefficients, for draws or for a law, shape (3,)."""
         own = self.analysis.priors.pulleys.get(size)
         priors: list[Prior | None] = [getattr(own, name, None) for name in Coefficients._fields]
         of_machine = LEAST_DRAWN if drawn else LEAST_OWN
@@ -240,12 +240,12 @@ class ModelNumbers:
 
     @property
     def free(self) -> Flags:
-        """Which coefficients of each size are not held, (sizes, 3)."""
+        """Which coefficients of each size are fitted, (sizes, 3)."""
         return self._coefficients[1] > 0
 
     @cached_property
     def _coefficients(self) -> tuple[Array, Array]:
-        """Means and widths of the coefficients of each size, in units of the scales."""
+        """Prior means and widths of each size's coefficients, in units of the scales."""
         laws = [self.laws[size] for size in self.layout.sizes]
         scale = self.scales[:COEFFICIENTS]
         return coefficient_moments(self.layout.sizes, laws, scale, self.analysis.priors, self.fixed)

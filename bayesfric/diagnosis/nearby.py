@@ -34,7 +34,7 @@ def around_nearby(
     Parameters
     ----------
     model : LinearModel
-        Around the last laws.
+        Model around the previous laws.
     laws : mapping of str to Coefficients
         The fitted laws, by pulley size.
     candidates, scattering, forms
@@ -54,7 +54,7 @@ def _between(first: Coefficients, other: Coefficients, step: float) -> Coefficie
 
 
 def _is_near(model: LinearModel, around: LinearModel) -> bool:
-    """Return whether friction of every trial is similar in both."""
+    """Return whether the friction of every trial is similar in both models."""
     for before, after in zip(model.rigs, around.rigs, strict=True):
         first, other = (np.maximum(rig.rows.friction_n, ROUNDING) for rig in (before, after))
         if np.abs(np.log(other / first)).max(initial=0.0) > np.log(FARTHEST):

@@ -33,12 +33,12 @@ LN10 = float(np.log(10))
 def next_experiment(
     model: LinearModel, search: Search, chances: Mapping[Hypothesis, float]
 ) -> tuple[tuple[NextExperiment, ...], str | None]:
-    """Propose a trial for each two hypotheses that are still in question.
+    """Propose a trial for each pair of hypotheses that remain open.
 
     Parameters
     ----------
     model : LinearModel
-        In which hypotheses were compared.
+        The model in which the hypotheses were compared.
     search : Search
         The hypotheses.
     chances : mapping of Hypothesis to float
@@ -47,9 +47,9 @@ def next_experiment(
     Returns
     -------
     proposals : tuple of NextExperiment
-        The most telling first.
+        Proposals, the one with the largest expected Bayes factor first.
     why : str or None
-        Why there is none.
+        Why there is no proposal.
     """
     open_ = [
         search.weighed[hypothesis]
@@ -77,7 +77,7 @@ def next_experiment(
 def _most_telling(
     model: LinearModel, data: Data, first: Weighed, other: Weighed
 ) -> NextExperiment | None:
-    """Return the trial that separates two hypotheses best; None where none says anything."""
+    """Return the trial that separates two hypotheses best; None if no trial separates them."""
     laws = (*first.acting.laws, *other.acting.laws)
     shapes = (*first.acting.shapes, *other.acting.shapes)
     candidates = [model.candidate(law, shape) for law, shape in zip(laws, shapes, strict=True)]
@@ -124,22 +124,22 @@ def _most_telling(
 
 
 def feasible_trials(model: LinearModel) -> Data:
-    """Return the trials that the rigs of a model could make next, without noise."""
+    """Return the trials that the rigs of a model could run next, simulated without noise."""
     laid = (trials.next_trials(model.laws) for trials in model.data.rigs)
     return Data(tuple(trials for trials in laid if trials is not None))
 
 
 def condition_of(trials: RigTrials, rig: LinearRig, trial: int) -> dict[str, float | str]:
-    """Return at which condition a trial is, in the columns of its recording.
+    """Return the condition of a trial, by column of its recording.
 
     Parameters
     ----------
     trials : RigTrials
-        N trials.
+        Trials of a rig.
     rig : LinearRig
-        Of them.
+        Linear model of these trials.
     trial : int
-        Its place.
+        Index of the trial.
     """
     names = (*(PULLEYS if trials.has_pulleys else ()), *rig.rows.loads)
     values = ((name, rig.rows.table[name].iloc[trial]) for name in names)
@@ -147,7 +147,7 @@ def condition_of(trials: RigTrials, rig: LinearRig, trial: int) -> dict[str, flo
 
 
 def _left_open(rows: LinearModel) -> Array:
-    """Return the variance of the discrepancy's local numbers, 0 of all others, shape (q,)."""
+    """Return the prior variance of the discrepancy's local numbers, 0 for others, shape (q,)."""
     layout = rows.layout
     own, shared = rows.discrepancy.rms(None)
     open_numbers = np.zeros(layout.local)
@@ -160,36 +160,36 @@ def _left_open(rows: LinearModel) -> Array:
 def _shared(
     model: LinearModel, rows: LinearModel, rig: LinearRig, which: Weighed, start: int, size: int
 ) -> tuple[Places, Places]:
-    """Return where a new trial and a hypothesis have the numbers that they share.
+    """Return the positions of the numbers that a new trial and a hypothesis share.
 
     Parameters
     ----------
     model, rows : LinearModel
-        Of the hypothesis, and of new trials.
+        Models of the hypothesis and of the new trials.
     rig : LinearRig
-        Of the new trials.
+        Rig of the new trials.
     which : Weighed
         The hypothesis.
     start : int
-        Place of its first effect among those of the new trials.
+        Position of the hypothesis' first effect among the candidates of the new trials.
     size : int
-        Of the trial's pulleys.
+        Index of the trial's pulley size.
 
     Returns
     -------
     local, kept : ndarray of int
-        Coefficients, effects, and the rig's own nuisances, which are the machine's.
+        Positions of coefficients, effects and the rig's nuisances in both.
     """
     layout, count = model.layout, len(which.acting.laws)
     own = np.arange(COEFFICIENTS)
     first = rows.layout.own + start
     names = [rig_part.rows.name for rig_part in model.rigs]
     mine = layout.nuisance(names.index(rig.rows.name))
-    # Of the local numbers to those of all sizes: candidates are mixed, sizes stand side by side.
+    # From local numbers to numbers of all sizes: candidates are combined, sizes follow in turn.
     moved = count - layout.candidates + layout.own * (len(layout.sizes) - 1)
     laid = np.arange(rows.layout.local)[rows.layout.nuisance(rows.rigs.index(rig))]
     local = np.r_[own, first + np.arange(count), laid]
-    # A new trial may lack those of a sensor that it does not have.
+    # A new trial has no nuisances of a sensor that it lacks.
     nuisances = mine.start + moved + np.arange(laid.size)
     return local, np.r_[size * layout.own + own, model.places(count), nuisances]
 
@@ -211,15 +211,15 @@ def _expected(
     model, rows, rig
         As of :func:`_shared`.
     trial : int
-        Its place.
+        Index of the trial.
     information : ndarray, shape (q, q)
-        Information of the trial on the local numbers, scatter taken up.
+        Information of the trial on the local numbers, with scatter marginalised.
     mean : ndarray, shape (q,)
-        Difference of what the hypotheses predict, in local numbers.
+        Difference of the hypotheses' predictions, in local numbers.
     spreads : list of (int, Weighed)
-        Where each one's effects begin, and the hypothesis.
+        Position of the first effect of each hypothesis, and the hypothesis.
     left_open : ndarray, shape (q,)
-        Variance of what every hypothesis leaves open, of the local numbers.
+        Prior variance of the discrepancy's local numbers.
     """
     covariance = np.diag(left_open)
     for start, which in spreads:

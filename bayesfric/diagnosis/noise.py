@@ -10,19 +10,19 @@ from bayesfric.arrays import Array
 from bayesfric.observation.linear import NoiseParameter, log_prior_of_logarithm
 
 QUIET = 0.015  # relative scatter of a good rig
-STEP = 1e-5  # of a logarithm, for derivatives
+STEP = 1e-5  # of a log noise parameter, for derivatives
 
 
 class Noise(tuple[NoiseParameter, ...]):
-    """Parameters of the noise of all rigs, which are met as their logarithms."""
+    """Noise parameters of all rigs; functions take and return their logarithms."""
 
     @property
     def start(self) -> Array:
-        """Rough logarithms, a place to climb from."""
+        """Logarithms from which a climb starts."""
         return np.log([parameter.start for parameter in self])
 
     def quiet(self, psi: Array) -> Array:
-        """Return a noise whose friction scatters no more than on a good rig."""
+        """Return noise parameters with at most the scatter of friction on a good rig."""
         quieter = psi.copy()
         for place, parameter in enumerate(self):
             if parameter.scatters:
@@ -30,7 +30,7 @@ class Noise(tuple[NoiseParameter, ...]):
         return quieter
 
     def named(self, psi: Array) -> dict[str, float]:
-        """Return the noise by name; amplitudes behind it are left out."""
+        """Return noise parameters by name; amplitudes that follow them are omitted."""
         values = np.exp(psi[: len(self)])
         return {parameter.name: float(value) for parameter, value in zip(self, values, strict=True)}
 
@@ -40,13 +40,13 @@ class Noise(tuple[NoiseParameter, ...]):
         Parameters
         ----------
         psi : ndarray
-            Of the noise, then of amplitudes that are above zero.
+            Logarithms of the noise parameters, then of positive amplitudes.
         amplitudes : sequence of Prior
-            Of these amplitudes.
+            Priors of these amplitudes.
         """
         densities = [parameter.log_prior for parameter in self]
         densities += [partial(log_prior_of_logarithm, prior) for prior in amplitudes]
         ends = np.exp(psi[:, None] + [0.0, STEP])
         values = np.array([density(pair) for density, pair in zip(densities, ends, strict=True)])
-        values = values.reshape(-1, 2)  # of no parameters too
+        values = values.reshape(-1, 2)  # also if there are no parameters
         return float(values[:, 0].sum()), (values[:, 1] - values[:, 0]) / STEP

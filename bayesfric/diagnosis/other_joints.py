@@ -1,4 +1,4 @@
-"""What a joint's neighbours may have done to it: effects that they look like, and their pull."""
+"""Forces that other joints exert on a joint, and the effects that they imitate."""
 
 from collections.abc import Collection, Mapping
 
@@ -14,7 +14,7 @@ from bayesfric.schemas.gap import Gap
 
 PLACED = frozenset({"angle", "load-both-ways", "period", "play", "position", "spring"})
 """Needs of effects of a position, of reversals behind a play or a spring, and of a gear's load."""
-LISTED = 3  # numbers of a model that a sentence has
+LISTED = 3  # most numbers of a model that a sentence lists
 
 
 def looks_like_others(
@@ -25,28 +25,28 @@ def looks_like_others(
     gap: Gap,
     amounts: ModelAmounts | None,
 ) -> bool:
-    """Return whether causes are of a kind that the pull of a joint looks like that is not logged.
+    """Return whether causes may be imitated by forces of other, unlogged joints.
 
-    Where nobody says what other joints did, they are taken to have moved if more is left of the
-    force than a machine's own friction scatters; where they are logged and there is no model,
-    that much says that what they do is not told by the form that it was given.
+    If nothing is known of other joints, they count as moved if the residual exceeds the usual
+    scatter of a machine's friction. If they are logged without a model, such a residual shows that
+    the assumed form of their forces does not hold.
 
     Parameters
     ----------
     named : collection of str
         Causes.
     rivals : collection of str
-        Effects of which one acts, and these data do not tell which.
+        Effects of which one acts; these data do not determine which.
     examined : mapping of str to Effect
-        All effects that were examined.
+        All examined effects.
     others : str or None
-        What other joints did: ``still``, ``logged``, ``moving`` or ``unknown``.
+        State of other joints: ``still``, ``logged``, ``moving`` or ``unknown``.
     gap : Gap
-        With what causes leave of data held out, and what a perfect law would leave.
+        Contains the held-out residual of the causes, and that of a perfect law.
     amounts : ModelAmounts or None
-        Of the errors of the machine's model; None without one.
+        Estimated errors of the machine's model; None without a model.
     """
-    # Where no cause is named nothing was added whose rest could be seen.
+    # Without a named cause, the residual after causes is not defined.
     rest = max(gap.floor.q50, gap.after.q50) if named else gap.floor.q50
     left = rest >= max(
         RULES.other_joints_left * gap.friction_rms, RULES.other_joints_of_gap * gap.before.q50
@@ -62,14 +62,14 @@ def _is_placed(effect: Effect) -> bool:
 
 
 def amounts_of(model: LinearModel, best: Weighed) -> ModelAmounts | None:
-    """Return how wrong the machine's model is by the likeliest hypothesis; None without one."""
+    """Return the errors of the machine's model under a hypothesis; None without a model."""
     count = model.layout.nuisances[0]
     mean, covariance = best.at.mean[-count:], best.at.covariance[-count:, -count:]
     return model.data.rigs[0].model_amounts(np.asarray(mean), np.asarray(covariance))
 
 
 def model_error_words(errors: Collection[ModelError]) -> str:
-    """Return that a model is off, a sentence with a blank before it; empty where it is not."""
+    """Return a sentence about errors of a model, with a leading blank; empty without errors."""
     off = [error for error in errors if error.significant]
     if not off:
         return ""

@@ -1,4 +1,4 @@
-"""What held-out data say against causes: by which rule and with which figures they overrule."""
+"""The rules by which held-out data contradict causes, with the figures behind them."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -25,16 +25,16 @@ FEW_BLOCKS = (
 
 @dataclass(frozen=True)
 class Overruled:
-    """What is known of effects once causes are overruled.
+    """Hypotheses and effects after causes were overruled.
 
     Parameters
     ----------
     search : Search
-        Hypotheses; those with the causes count as an unknown force for the most part.
+        Hypotheses; most probability of those with the causes belongs to an unknown force.
     effects_known : list of KnownEffect
-        What is known of each effect.
+        Probability and strength of each effect.
     present, possible : list of str
-        Of the effects that were not overruled.
+        Effects that were not overruled.
     """
 
     search: Search
@@ -49,18 +49,18 @@ def overruled(
     together: Sequence[Collection[str]],
     above: float,
 ) -> Overruled:
-    """Return what is known once hypotheses with some effects count as an unknown force.
+    """Return hypotheses and effects after some effects count as an unknown force.
 
     Parameters
     ----------
     search : Search
         The hypotheses.
     effects_known : sequence of KnownEffect
-        What was known of each effect.
+        Probability and strength of each effect before.
     together : sequence of collection of str
-        Effects that act together, of each hypothesis that is overruled.
+        Sets of effects that are overruled.
     above : float
-        Probability that the gap is practical or more.
+        Probability that the gap is at least of practical size.
     """
     for effects in together:
         search = search.overruled(Hypothesis(effects))
@@ -78,17 +78,17 @@ def overruled(
 def density_of(
     densities: BlockDensities | None, named: Collection[str], *, like_clocks: bool = False
 ) -> dict[str, HeldOutDensity | str | None]:
-    """Return how much better the causes predict, as a part of the gap, or why nobody knows.
+    """Return the gain in held-out log density by the causes, or why there is none, as gap fields.
 
     Parameters
     ----------
     densities : BlockDensities or None
-        Of blocks held out.
+        Log densities of held-out blocks.
     named : collection of str
         The causes.
     like_clocks : bool
-        Whether clocks that differ do all that the causes do: the law alone then predicts as well,
-        with clocks that nobody would have.
+        Whether clock errors can make the whole force of the causes: the law alone then predicts
+        as well, with unrealistic clock errors.
     """
     if like_clocks:
         return {"held_out_log_density": None, "held_out_log_density_why": LIKE_CLOCKS}
@@ -104,10 +104,10 @@ def density_of(
 
 
 def contradicts(gap: Gap) -> bool:
-    """Return whether held-out data contradict what the model says that causes take away.
+    """Return whether held-out data contradict the model's shrink of the gap by the causes.
 
-    They do where the held-out shrink is known, and its 90 % interval lies more than a tenth
-    below the model's.
+    They do if the 90 % interval of the held-out shrink lies more than a tenth below that of
+    the model.
     """
     if gap.shrink is None or gap.shrink_of_model is None:
         return False
@@ -118,24 +118,24 @@ def why_overruled(
     gap: Gap,
     practical: float,
     *,
-    told_as_remainder: bool,
+    in_remainder: bool,
     force_left: bool = False,
     implausible: Collection[str] = (),
 ) -> str | None:
-    """Return by which rule held-out data contradict causes, with its figures; None if by none.
+    """Return the rule by which held-out data contradict causes, with figures; None without one.
 
     Parameters
     ----------
     gap : Gap
-        Of data held out.
+        The gap on held-out data.
     practical : float
         Practical share of friction.
-    told_as_remainder : bool
-        Whether a remainder tells what the causes leave.
+    in_remainder : bool
+        Whether the remainder accounts for the residual of the causes.
     force_left : bool
-        Whether a force that no effect explains is left, as much or little as it is.
+        Whether an unexplained force of any size is left.
     implausible : collection of str
-        Causes that are larger or smaller than in any machine.
+        Causes with implausible sizes.
     """
     if contradicts(gap):
         assert gap.shrink is not None
@@ -151,12 +151,12 @@ def why_overruled(
             f"{density.difference:+.2g} ± {density.error:.2g} nat; "
             f"{errors:.0f} standard error{'s are' if errors > 1 else ' is'} needed)"
         )
-    if leaves_too_much(gap, practical) and not told_as_remainder:
+    if leaves_too_much(gap, practical) and not in_remainder:
         return (
             f"after scatter is subtracted, an error of {two_digits(gap.held_out_excess)} "
             f"{gap.unit} rms is left there, and {LEFT_OVER}"
         )
-    if implausible and (force_left or told_as_remainder):
+    if implausible and (force_left or in_remainder):
         return (
             f"{' and '.join(implausible)} would be {IMPLAUSIBLE}, and a force "
             "that no effect explains is left"
@@ -165,10 +165,10 @@ def why_overruled(
 
 
 def _errors_needed(gap: Gap) -> float:
-    """Return by how many errors causes have to predict better than the law alone.
+    """Return how many standard errors the density gain of causes must exceed.
 
-    Of few blocks, one that tells much makes the sum and its error alike. There half of that is
-    enough beside a shrink of held-out data that is surely large.
+    With few blocks, one informative block dominates both the sum and its error. Half the number
+    is then enough, if the held-out shrink is certainly large.
     """
     density, shrink = gap.held_out_log_density, gap.shrink
     few = density is not None and density.blocks < RULES.few_blocks
@@ -177,16 +177,16 @@ def _errors_needed(gap: Gap) -> float:
 
 
 def leaves_too_much(gap: Gap, practical: float) -> bool:
-    """Return whether more is left on held-out data than scatter explains, and that matters."""
+    """Return whether the held-out residual beyond scatter is of practical size."""
     excess = gap.held_out_excess
     return excess > 0 and excess >= practical * gap.friction_rms
 
 
 def why_beyond_rivals(gap: Gap) -> str | None:
-    """Return why none of some rivals may make a gap; None where one of them may.
+    """Return why no rival can be the cause of the gap; None if one can.
 
-    Data held out are then missed by more than all that any of them would explain, by more than
-    causes that are named may miss them by.
+    The reason is that the held-out residual exceeds what any of them explains by more than is
+    allowed for named causes.
     """
     explained = float(np.hypot(gap.systematic.q95, gap.floor.q95))
     if explained**2 >= (1 - RULES.shrink_missed) * gap.before.q05**2:
@@ -197,18 +197,18 @@ def why_beyond_rivals(gap: Gap) -> str | None:
     )
 
 
-def tells_what_is_left(remainder: Remainder, gap: Gap) -> bool:
-    """Return whether a remainder tells what the causes leave of held-out data.
+def accounts_for_residual(remainder: Remainder, gap: Gap) -> bool:
+    """Return whether a remainder accounts for the held-out residual of the causes.
 
-    One that is a small part of what they leave does not: the rest is a force of another kind, or
-    numbers that hold for these data alone.
+    A remainder that is a small part of this residual does not: the rest is another kind of force,
+    or a fit that does not generalise.
 
     Parameters
     ----------
     remainder : Remainder
-        Beside the causes.
+        The remainder after the causes.
     gap : Gap
-        Of data held out.
+        The gap on held-out data.
     """
     if not remainder.significant or remainder.share_of_gap is None:
         return remainder.significant

@@ -1,4 +1,4 @@
-"""What a diagnosis is asked: a recording, a law, what is held, and which effects."""
+"""The input of a diagnosis: a recording, a law, fixed numbers and effects."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -39,40 +39,40 @@ class Sources(NamedTuple):
 
 @dataclass(frozen=True)
 class Question:
-    """A recording, and what is asked of it.
+    """A recording, and all settings of its diagnosis.
 
     Parameters
     ----------
     recording : Recording
-        As read.
+        The recording as read.
     data : Data
-        Its trials that enter.
+        Trials that are used.
     analysis : Analysis
-        With the priors that the rigs have of their own.
+        The analysis, including default priors of the rigs.
     law : FrictionLaw
-        Whose gap is looked for.
+        The law whose gap is diagnosed.
     own_law : OwnLaw or None
-        A user's simulator that has its place.
+        A user's simulator that replaces the law.
     shipped : Shipped or None
-        The simulator's values as a user gave them.
+        The simulator's values as the user gave them.
     law_shipped : mapping of str to Coefficients
-        The law with these, by pulley size.
+        The law with these values, by pulley size.
     held : frozenset of str
         Numbers that are not fitted.
     examined : mapping of str to Effect
-        By name.
+        Examined effects by name.
     lacking : mapping of str to tuple of str
-        What these data lack for effects that are not.
+        What these data lack, for each effect that cannot be examined.
     own_effects : tuple of str
-        Names of a user's own.
+        Names of the user's effects.
     target : DataFrame or None
-        Conditions at which friction is asked for.
+        Conditions at which friction is predicted.
     remarks : tuple of str
-        Which of the user's priors do nothing here, or leave nothing to the data.
+        Sentences on user priors that have no effect or override the data.
     fixed : tuple of str
-        What is held, in the user's words.
+        Fixed numbers by the user's names.
     widened : tuple of str
-        Effects whose priors were too tight, and are wider.
+        Effects whose priors were too tight and have been widened.
     """
 
     recording: Recording
@@ -93,18 +93,18 @@ class Question:
 
     @property
     def practical(self) -> float:
-        """Share of friction below which nothing is of concern."""
+        """Share of friction below which a gap does not matter."""
         return self.analysis.diagnosis.practical_share
 
     @property
     def sources(self) -> Sources:
-        """Sources of randomness by the seed of the analysis, each at its beginning."""
+        """New sources of randomness from the seed of the analysis."""
         children = np.random.SeedSequence(self.analysis.seed).spawn(len(Sources._fields))
         return Sources(*map(np.random.default_rng, children))
 
     @property
     def candidates(self) -> list[Candidate]:
-        """Of all effects that are examined."""
+        """Candidates of all examined effects."""
         return [
             candidate for effect in self.examined.values() for candidate in candidates_of(effect)
         ]
@@ -120,7 +120,7 @@ def question_of(
     simulator: SimulatorCalls | None,
     target: pd.DataFrame | None,
 ) -> Question:
-    """Return what is asked; parameters as of :func:`bayesfric.diagnosis.diagnose`."""
+    """Return the question; parameters as of :func:`bayesfric.diagnosis.diagnose`."""
     data, law = data_of(recording, baseline, simulator)
     own_law = own_law_of(data)
     if target is not None:

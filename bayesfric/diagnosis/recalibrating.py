@@ -1,4 +1,4 @@
-"""The law recalibrated to the forces in windows, and the residuals that chance makes."""
+"""The law recalibrated to forces in windows, and the expected residuals of a correct law."""
 
 from dataclasses import dataclass
 
@@ -13,16 +13,16 @@ from bayesfric.observation.layout import COEFFICIENTS
 
 @dataclass(frozen=True)
 class Refit:
-    """How the law of a model follows the forces of some windows.
+    """The linear map from forces in windows to the coefficients of the law.
 
     Parameters
     ----------
     design : ndarray, shape (R, p)
-        What the coefficients of all sizes do in each window, in units of their prior [N].
+        Force of the coefficients of all sizes in each window, in units of their prior sd [N].
     smoothing : ndarray, shape (p, R)
-        What turns residual forces into moves of these coefficients.
+        Map from residual forces to changes of these coefficients.
     mean, sd : ndarray, shape (p,)
-        Of the coefficients before the data.
+        Prior moments of the coefficients.
     """
 
     design: Array
@@ -31,21 +31,21 @@ class Refit:
     sd: Array
 
     def kept(self, values: Array) -> Array:
-        """Return what of forces, (R, k), the refitted law does not take up."""
+        """Return the part of forces, (R, k), that the refitted law leaves."""
         return np.asarray(values - self.design @ (self.smoothing @ values))
 
     def chance2(self, residuals: Residuals, further: Array) -> Array:
-        """Return the mean square that chance leaves in each window, shape (R,) [N²].
+        """Return the expected squared residual of a correct law in each window, shape (R,) [N²].
 
-        Measurement and friction's scatter are left in the window, and both have moved the
-        law. Where a window has moved the law by itself, less is left of it.
+        It contains measurement error and scatter of friction, in the window and in the refitted
+        law. A window that influences its own fit has a smaller residual.
 
         Parameters
         ----------
         residuals : Residuals
             The windows.
         further : ndarray, shape (R, k)
-            Forces of unit variance that the numbers beside the law are uncertain by [N].
+            Force in each window of one posterior standard deviation of the other numbers [N].
         """
         moved = residuals.scattered(self.smoothing.T)
         of_law = self.smoothing @ moved
@@ -54,27 +54,27 @@ class Refit:
         return np.asarray(variance + (self.kept(further) ** 2).sum(axis=1))
 
     def spread(self, residuals: Residuals, further: Array) -> Array:
-        """Return columns whose outer product is the covariance of the coefficients, (p, k)."""
+        """Return a root of the coefficients' covariance, (p, k)."""
         covariance = self.smoothing @ residuals.scattered(self.smoothing.T)
         own = root_of(0.5 * (covariance + covariance.T))
         return np.asarray(self.sd[:, None] * np.hstack([own, -self.smoothing @ further]))
 
 
 def refit_of(model: LinearModel, residuals: Residuals, rows: Flags) -> Refit:
-    """Return how the law follows the forces of some windows.
+    """Return the map from forces in some windows to the coefficients.
 
-    Least squares with the weights of the gap, less where the measurement is poor, and the
-    prior of the law: what a force that the law does not have does within a trial does not
-    bend the law, as it would if events were taken to be as precise as they are.
+    It is least squares with the weights of the gap, reduced where the measurement is poor, and
+    the prior of the law. With weights by the precision of events, a force within a trial that
+    the law lacks would bias the law.
 
     Parameters
     ----------
     model : LinearModel
-        Without discrepancy.
+        Model without discrepancy.
     residuals : Residuals
-        Of its windows.
+        Residuals of its windows.
     rows : ndarray of bool, shape (R,)
-        Those that enter; without any the law is that of the prior.
+        Windows that are used; without any, the law is the prior mean.
     """
     sizes = len(model.layout.sizes)
     mean, sd = (moments[: COEFFICIENTS * sizes] for moments in model.prior(()))
@@ -88,7 +88,7 @@ def refit_of(model: LinearModel, residuals: Residuals, rows: Flags) -> Refit:
         return Refit(design, np.zeros(design.T.shape), mean, sd)
     spread2 = residuals.friction_n**2 * residuals.spread2
     weight = residuals.weight * rows * spread2 / (spread2 + residuals.variance)
-    # An assembly's scatter enters once, however many windows there are of it.
+    # The scatter of an assembly counts once, for any number of its windows.
     assemblies = np.unique(residuals.setup[rows]).size
     variance = (weight * (spread2 + residuals.variance)).sum()
     certainty = assemblies / variance * weight[:, None] * design
@@ -96,7 +96,7 @@ def refit_of(model: LinearModel, residuals: Residuals, rows: Flags) -> Refit:
     try:
         follows = np.linalg.solve(precision, certainty.T)
     except np.linalg.LinAlgError:
-        # Data so much surer than the prior that rounding leaves nothing of it: by roots of both.
+        # Data can be so precise that the prior is lost by rounding; roots of both avoid this.
         root = np.sqrt(assemblies / variance * weight)
         both = np.concatenate([root[:, None] * design, np.eye(COEFFICIENTS * sizes)])
         follows = np.linalg.pinv(both)[:, : rows.size] * root
@@ -104,16 +104,16 @@ def refit_of(model: LinearModel, residuals: Residuals, rows: Flags) -> Refit:
 
 
 def recalibrated(refit: Refit, residuals: Residuals, local: Array) -> Array:
-    """Return local numbers with the law that fits the forces of some windows best.
+    """Return local numbers with the coefficients refitted to forces in windows.
 
     Parameters
     ----------
     refit : Refit
-        How the law follows the windows.
+        The map from forces to coefficients.
     residuals : Residuals
-        Of all windows.
+        Residuals of all windows.
     local : ndarray, shape (sizes, q)
-        The law's are left aside, the others held.
+        Numbers whose coefficients are replaced; the other numbers are fixed.
     """
     moved_local = local.copy()
     moved_local[:, :COEFFICIENTS] = refit.mean.reshape(-1, COEFFICIENTS)

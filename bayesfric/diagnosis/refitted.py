@@ -1,4 +1,4 @@
-"""The law refitted together with whatever acts: joint draws over all hypotheses.
+"""Joint draws of the law and of the effects, over all hypotheses.
 
 A law that is fitted without an effect absorbs part of it, and adding the effect would include this
 part twice. Here coefficients and amplitudes are drawn together. The number of draws of a hypothesis
@@ -26,15 +26,15 @@ class RefittedLaw:
     Parameters
     ----------
     sizes : sequence of str
-        Of pulleys.
+        Pulley sizes.
     draws : int
-        S of them.
+        Number S of draws.
 
     Attributes
     ----------
     coefficients : ndarray, shape (S, sizes, 3)
     nuisances : ndarray, shape (S, K)
-        Of all rigs, in the order of the rigs.
+        Nuisances of all rigs, in the order of the rigs.
     """
 
     def __init__(self, sizes: Sequence[str], draws: int) -> None:
@@ -56,24 +56,24 @@ class RefittedLaw:
         own: Array,
         shapes: Sequence[Array | float],
     ) -> None:
-        """Take the draws of one hypothesis.
+        """Store the draws of one hypothesis.
 
         Parameters
         ----------
         rows : slice
-            Where they go; n of them.
+            Indices of the n draws.
         model : LinearModel
-            Of the hypothesis.
+            The model of the hypothesis.
         acting : Acting
-            What acts in it.
+            Its effects.
         psi : ndarray
-            Logarithms of its noise.
+            Logarithms of its noise parameters.
         numbers : ndarray, shape (n, p)
-            Its numbers.
+            Draws of its numbers.
         own : ndarray, shape (n, sizes, 3)
-            How far the coefficients are from the model's, in its scales.
+            Differences of the coefficients from the reference law, in the model's scales.
         shapes : sequence of ndarray, shape (n,), or of float
-            At which the amplitude of each effect with columns was drawn, as normal quantiles.
+            Shapes at which the amplitudes of effects with columns were drawn, as normal quantiles.
         """
         self.coefficients[rows] = model.coefficients_of(own, drawn=True)
         count = sum(model.layout.nuisances)
@@ -99,10 +99,10 @@ class RefittedLaw:
             self.variant[effect] = np.full(self.draws, "", dtype="<U40")
 
     def dataset(self) -> xr.Dataset:
-        """Return the draws as they are stored.
+        """Return the draws in the form that is stored.
 
-        An effect that does not act in a draw has amplitude 0 and no variant there; one without
-        a shape has shape 0.
+        An effect that does not act in a draw has amplitude 0 and an empty variant; an effect
+        without a shape has shape 0.
         """
         effects = list(self.amplitude)
         tables: dict[str, tuple[tuple[str, ...], NDArray[Any]]] = {

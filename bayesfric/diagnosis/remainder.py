@@ -1,4 +1,4 @@
-"""What the named causes leave: a further smooth force, errors of their laws, or nothing."""
+"""What the causes leave: a further smooth force, errors of their laws, or nothing."""
 
 from dataclasses import replace
 
@@ -26,16 +26,16 @@ def remainder_of(
     gap_share: float,
     left: Array | None = None,
 ) -> Remainder:
-    """Test for a further smooth force beside the causes.
+    """Test for a further smooth force together with the causes.
 
     Parameters
     ----------
     model : LinearModel
-        The model in which hypotheses were compared.
+        The model in which the hypotheses were compared.
     search : Search
         The hypotheses.
     weighed : Weighed
-        The most probable hypothesis without an unknown force; may be none.
+        The most probable hypothesis without an unknown force; may have no effects.
     gap_share : float
         Rms of the gap over rms friction.
     left : ndarray or None
@@ -56,8 +56,8 @@ def remainder_of(
     found_by = [(*_beside(further, gap_share), gain)] if gain > RULES.remainder_log10 else []
     practical = model.analysis.diagnosis.practical_share
     if left is not None and left_matters(left, gap_share, practical):
-        # The errors of the causes' laws are so large that something else must act. The axis is that
-        # of a smooth force in place of these errors.
+        # The errors of the causes' laws are so large that something else must act. Its axis is that
+        # of a smooth force that replaces these errors.
         plain = replace(weighed, form=AS_IT_IS)
         instead = unknown_force(model, plain, weighed.acting, search.inverse, search.volume)
         assert instead is not None

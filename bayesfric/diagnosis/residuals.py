@@ -1,4 +1,4 @@
-"""Residual forces of all rigs in one table, and local numbers of a fit to take off them."""
+"""Residual forces of all rigs in one table, and what the numbers of a fit explain of them."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -37,54 +37,54 @@ JOINED = (
     *NUMBERED,
 )
 """Fields that each rig has rows of; :data:`NUMBERED` count on from rig to rig."""
-AT_ONCE = 100  # draws of forces whose squares are taken
+AT_ONCE = 100  # draws of forces that are squared at the same time, to save memory
 CATEGORIES = ("drive_end", "setup", "pulley_size", "rig")
 """Covariates that are numbers of a category."""
 
 
 @dataclass(frozen=True)
 class Residuals:
-    """Windows of all rigs, one rig's after another's.
+    """Windows of all rigs, rig after rig.
 
     Parameters
     ----------
     residual_n : ndarray, shape (R,)
-        Measured less that of the reference law, against the motion [N].
+        Measured minus predicted force of the reference law, opposing the motion [N].
     columns : ndarray, shape (R, q)
-        What each local number adds [N].
+        Force of each local number at value 1 [N].
     size : ndarray of int, shape (R,)
-        Place of the pulley size.
+        Index of the pulley size.
     friction_n : ndarray, shape (R,)
-        Of the reference law [N].
+        Friction of the reference law [N].
     covariance : tuple of ndarray
-        Of the measurement error, trial by trial [N²].
+        Covariance of the measurement error, trial by trial [N²].
     wander : tuple of ndarray
-        Of friction along the path, relative, trial by trial.
+        Relative covariance of the wander of friction along the path, trial by trial.
     scatter : ndarray, shape (R, 2)
         Relative variance of a trial's and of an assembly's friction.
     trial, setup, condition, rig : ndarray of int, shape (R,)
-        Numbers over all rigs.
+        Indices over all rigs.
     covariates : dict of str to ndarray, shape (R,)
-        Of :data:`AXES` and of the rigs' own; nan where there is none.
+        Values along :data:`AXES` and along the rigs' own axes; nan if a window has none.
     names : tuple of str
-        Of the trials.
+        Names of the trials.
     rig_names : tuple of str
-        Of the rigs.
+        Names of the rigs.
     shown : ndarray of bool, shape (R,)
-        Of trials whose role is to show the gap alone.
+        Windows of trials of role `test`, which only show the gap.
     axes : tuple of str
-        Of the covariates, those that some rig has.
+        Covariates that some rig has.
     turns : bool
         Whether the machine turns: radians and N·m for m and N.
     time_s : ndarray, shape (R,), or None
-        Of each window within its run; nan where nobody recorded it, None where nowhere.
+        Time of each window within its run; nan if unrecorded, None if no window has one.
     counts : ndarray, shape (R,), or None
-        How much each counts, 1 but for strays and for windows that overlap; None where all are 1.
+        Weight of each window: 1 except for strays and overlapping windows; None if all are 1.
     shared : tuple of int
-        Columns of the law's numbers that all sizes share, such as an offset.
+        Columns of numbers of the law that all sizes share, such as an offset.
     beside : tuple of int
-        Columns of forces beside the law in unknown amounts, each with a prior N(0, 1), such as
-        the pull of other joints.
+        Columns of other forces with unknown amounts, each with a prior N(0, 1), such as forces
+        of other joints.
     """
 
     residual_n: Array
@@ -110,35 +110,35 @@ class Residuals:
     beside: tuple[int, ...] = ()
 
     def unit(self, axis: str) -> str:
-        """Of a covariate; nothing of a rig's own, whose name has it."""
+        """Return the unit of a covariate; empty for a rig's own axis, whose name contains it."""
         unit = AXES.get(axis, "")
         return rotary_unit(unit) if self.turns else unit
 
     @cached_property
     def variance(self) -> Array:
-        """Of each window's measurement error, shape (R,) [N²]."""
+        """Variance of each window's measurement error, shape (R,) [N²]."""
         return np.concatenate([np.diag(part) for part in self.covariance])
 
     @property
     def independent(self) -> int:
-        """How many windows there are, those that overlap counted as what they cover."""
+        """Effective number of windows; overlapping windows count by what they cover."""
         return self.size.size if self.counts is None else round(float(self.counts.sum()))
 
     @cached_property
     def spread2(self) -> Array:
-        """Relative variance of friction that no law predicts, (R,)."""
+        """Relative variance of friction by scatter and wander, (R,)."""
         return np.asarray(
             self.scatter.sum(axis=1) + np.concatenate([np.diag(part) for part in self.wander])
         )
 
     @cached_property
     def chance2(self) -> Array:
-        """Mean square that measurement and scatter leave of a perfect law, (R,) [N²]."""
+        """Expected squared residual of a perfect law, by measurement and scatter, (R,) [N²]."""
         return np.asarray(self.variance + self.friction_n**2 * self.spread2)
 
     @cached_property
     def weight(self) -> Array:
-        """Equal weight a condition, and a trial in it, adding up to 1; shape (R,)."""
+        """Weights with equal sums for conditions, and for trials of a condition; sum 1, (R,)."""
         windows = np.bincount(self.trial)[self.trial]
         pairs = np.unique(np.stack([self.condition, self.trial]), axis=1)
         trials = np.bincount(pairs[0])[self.condition]
@@ -149,18 +149,17 @@ class Residuals:
 
     @cached_property
     def friction_rms(self) -> float:
-        """Of the reference law, by the weights [N]."""
+        """Weighted rms friction of the reference law [N]."""
         return float(np.sqrt((self.weight * self.friction_n**2).sum()))
 
     def left(self, local: Array) -> Array:
-        """Return what local numbers, (sizes, q), leave of the residual, shape (R,) [N]."""
+        """Return residuals minus the forces of local numbers, (sizes, q); shape (R,) [N]."""
         return np.asarray(self.residual_n - (self.columns * local[self.size]).sum(axis=1))
 
     def scattered(self, values: Array) -> Array:
-        """Return the covariance of all windows times columns, shape (R, k).
+        """Return the covariance of all windows multiplied by columns, shape (R, k).
 
-        It is that of measurement and of what no law predicts: wander, the scatter of trials
-        and that of assemblies.
+        It contains measurement error, wander, and the scatter of trials and of assemblies.
         """
         tau, omega = (self.friction_n * np.sqrt(self.scatter)[:, place] for place in (0, 1))
         product = omega[:, None] * _summed(self.setup, omega[:, None] * values)
@@ -174,10 +173,10 @@ class Residuals:
         return product
 
     def without_law(self, values: Array) -> Array:
-        """Return forces, (R, …), less what a recalibrated law takes of them.
+        """Return the part of forces, (R, …), that a recalibrated law leaves.
 
-        The law is fitted by least squares with the weights, and with it the forces beside it,
-        whose amounts their prior holds.
+        The law is fitted by weighted least squares, together with the amounts of the other
+        forces, which have a prior.
         """
         left, _, _ = self._law
         basis = left / np.sqrt(self.weight)[:, None]
@@ -185,16 +184,16 @@ class Residuals:
         return np.asarray(np.subtract(values, taken, out=taken))
 
     def mean_square(self, force: Array, taken: Array | float = 0.0) -> Array:
-        """Return the weighted mean squares of draws of forces, (R, S), less what is taken of them.
+        """Return weighted mean squares of draws of forces minus `taken`, (R, S); shape (S,).
 
-        Some draws at a time: squares of all would be as large as the draws.
+        Draws are processed in groups, because all squares would need much memory.
         """
         taken, places = np.broadcast_to(taken, force.shape), range(0, force.shape[1], AT_ONCE)
         rest = (force[:, k : k + AT_ONCE] - taken[:, k : k + AT_ONCE] for k in places)
         return np.concatenate([self.weight @ left**2 for left in rest])
 
     def taken_by_law(self, values: Array) -> Array:
-        """Return what a recalibrated law takes of forces, (R, S), in its numbers, (S, sizes, 3)."""
+        """Return the coefficients that fit forces, (R, S), best; shape (S, sizes, 3)."""
         left, singular, right = self._law
         numbers = (right.T / singular) @ ((left.T * np.sqrt(self.weight)) @ values)
         own = numbers[: len(numbers) - len(self.shared) - len(self.beside)]
@@ -202,13 +201,13 @@ class Residuals:
 
     @cached_property
     def _law(self) -> tuple[Array, Array, Array]:
-        """Singular vectors and values of the weighted columns of the law, of what is seen."""
+        """Singular vectors and values of the law's weighted columns, without negligible ones."""
         root = np.sqrt(self.weight)
         design = np.zeros((root.size, int(self.size.max()) + 1, COEFFICIENTS))
         design[np.arange(root.size), self.size] = self.columns[:, :COEFFICIENTS]
         further = self.columns[:, [*self.shared, *self.beside]]
         weighted = root[:, None] * np.column_stack([design.reshape(root.size, -1), further])
-        # A prior is a row more, in the measure of what measurement and scatter leave of a law.
+        # A prior is one further row, in units of the residual by measurement and scatter.
         chance = np.sqrt(self.weight @ self.chance2 / self.independent)
         priors = np.zeros((len(self.beside), weighted.shape[1]))
         priors[:, weighted.shape[1] - len(self.beside) :] = chance * np.eye(len(self.beside))
@@ -225,7 +224,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
     model : LinearModel
         The rigs.
     psi : ndarray
-        Logarithms of the noise.
+        Logarithms of the noise parameters.
     """
     noise = model.noise.named(psi)
     further = dict.fromkeys(axis for rig in model.rigs for axis in rig.rows.trial_axes)
@@ -238,7 +237,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
             part[name] = part[name] + start
     joined = {name: np.concatenate([part[name] for part in parts]) for name in (*JOINED, *axes)}
     rows = {name: joined[name] for name in JOINED}
-    # What is held is no part of what a law can take up.
+    # Fixed coefficients cannot absorb anything.
     rows["columns"][:, :COEFFICIENTS] *= model.free[rows["size"]]
     return Residuals(
         **rows,
@@ -255,7 +254,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
 
 
 def shared_columns(model: LinearModel) -> tuple[int, ...]:
-    """Return the local columns of the law's numbers that all sizes share, such as an offset."""
+    """Return the local columns of numbers of the law that all sizes share, such as an offset."""
     start = model.layout.local - sum(model.layout.nuisances)
     columns: list[int] = []
     for rig, count in zip(model.data.rigs, model.layout.nuisances, strict=True):
@@ -265,9 +264,9 @@ def shared_columns(model: LinearModel) -> tuple[int, ...]:
 
 
 def columns_beside(model: LinearModel) -> tuple[int, ...]:
-    """Return the local columns of forces beside the law of a joint: its machine's, no clock's.
+    """Return the local columns of other forces on a joint, without errors of clocks.
 
-    Those of a board are of its sensors, such as an idle motor's current.
+    Nuisances of a board, such as an idle motor's current, are errors of sensors.
     """
     columns: list[int] = []
     for place, (rig, linear) in enumerate(zip(model.data.rigs, model.rigs, strict=True)):
@@ -315,7 +314,7 @@ def _of_rig(
 def spread_numbers(model: LinearModel, numbers: Array, mixing: Array) -> Array:
     """Return local numbers of each size, (…, sizes, q), from those of a hypothesis, (…, p).
 
-    They are those of the whole model where that of the hypothesis is squeezed.
+    For a squeezed model they are the local numbers of the full model.
     """
     layout, sizes = model.layout, len(model.layout.sizes)
     own = numbers[..., : layout.own * sizes].reshape(*numbers.shape[:-1], sizes, layout.own)
@@ -328,7 +327,7 @@ def spread_numbers(model: LinearModel, numbers: Array, mixing: Array) -> Array:
 
 
 def numbers_of_laws(model: LinearModel, laws: Mapping[str, Coefficients], local: Array) -> Array:
-    """Return local numbers with the coefficients of given laws, and no effects."""
+    """Return local numbers with the coefficients of given laws and without effects."""
     numbers = np.zeros_like(local)
     for place, size in enumerate(model.layout.sizes):
         for column in range(COEFFICIENTS):
@@ -340,14 +339,14 @@ def numbers_of_laws(model: LinearModel, laws: Mapping[str, Coefficients], local:
 
 
 def _summed(group: Whole, values: Array) -> Array:
-    """Return the sums of columns over each row's group, at every row, (R, k)."""
+    """Return for each row the sums of columns over its group, (R, k)."""
     sums = np.zeros((group.max() + 1, values.shape[1]))
     np.add.at(sums, group, values)
     return np.asarray(sums[group])
 
 
 def used_of(model: LinearModel, residuals: Residuals, out: Flags) -> dict[str, Flags]:
-    """Return which trials of each rig stay where those of some windows are left out."""
+    """Return which trials of each rig remain without those of the windows in `out`."""
     gone = np.zeros(len(residuals.names), dtype=bool)
     gone[residuals.trial[out]] = True
     used, start = {}, 0

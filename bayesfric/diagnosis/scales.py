@@ -1,4 +1,4 @@
-"""The units in which the numbers of the linear model are counted, and the coefficients' priors."""
+"""Scales (units) of the numbers of the linear model, and prior moments of the coefficients."""
 
 from collections.abc import Sequence
 
@@ -27,25 +27,25 @@ def coefficient_moments(
     sizes : sequence of str
         Pulley sizes.
     laws : sequence of Coefficients
-        The reference law of each.
+        The reference law of each size.
     scale : ndarray, shape (3,)
-        Of c1, c2 and c3.
+        Scales of c1, c2 and c3.
     priors : Priors
-        Of the coefficients.
+        Priors of the coefficients.
     fixed : frozenset of str
-        Coefficients that are held at the reference law: width zero.
+        Coefficients that are fixed at the reference law (width zero).
 
     Returns
     -------
     mean, sd : ndarray, shape (sizes, 3)
-        Of the distance from the reference law.
+        Prior moments of the difference from the reference law.
     """
     mean = np.zeros((len(sizes), len(Coefficients._fields)))
     sd = np.ones_like(mean)
     for row, (size, law) in enumerate(zip(sizes, laws, strict=True)):
         for column, name in enumerate(Coefficients._fields):
             prior, whole = coefficient_prior(priors, name, size)
-            # A share is one of the reference law's own coefficient.
+            # A prior as a share is relative to a coefficient of the reference law.
             unit = 1.0 if whole is None else float(np.asarray(getattr(law, whole)))
             centre, width = (unit * moment for moment in prior_moments(prior))
             held = bool({name, f"{name}[{size}]"} & fixed)
@@ -56,10 +56,10 @@ def coefficient_moments(
 
 
 def _width(priors: Priors, name: str, sizes: Sequence[str]) -> float:
-    """Return the width in which a coefficient is counted.
+    """Return the prior width that is the scale of a coefficient.
 
-    It is that of the prior that all sizes share, or the widest of their own where each has one:
-    a machine in other units has its numbers in other units, and no other digits.
+    It is the width of the prior that all sizes share, or the largest width if each size has its
+    own prior. So a change of units does not change the digits of a result.
     """
     own = [priors.pulleys.get(size) for size in sizes]
     if any(section is None or getattr(section, name) is None for section in own):
@@ -85,13 +85,13 @@ def scales_of_numbers(
     sizes : sequence of str
         Pulley sizes.
     priors : Priors
-        Of the coefficients.
+        Priors of the coefficients.
     own, shared : sequence of Smooth
-        Smooth forces of each size, and of all; they share the variance of a discrepancy.
+        Smooth forces of each size, and of all sizes; they share the variance of a discrepancy.
     candidates : sequence of Candidate
-        Effects.
+        Candidates of effects.
     little, nuisances : sequence of float
-        Standard deviations of small amounts and forms, and of the rigs' own numbers.
+        Standard deviations of small amounts and forms, and of the rigs' nuisances.
     """
     terms = max(len(own) + len(shared), 1)
     return np.concatenate(

@@ -1,4 +1,4 @@
-"""Which effects act: hypotheses of none, one, two and more effects, and of an unknown force.
+"""Searches for the effects that act: hypotheses with none or more effects, or an unknown force.
 
 All listed hypotheses are evaluated in the same model, each with the noise at its own mode. The
 search adds effects to the best hypotheses. The evidence of a hypothesis that was only screened is a
@@ -27,7 +27,7 @@ from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, log_volume
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import NONE, Hypothesis
 
-NEAR = 3.0  # a start at most this far below a known mode is tried [nat]
+NEAR = 3.0  # a start is tried if it is at most this far below a known mode [nat]
 
 
 class Steps(NamedTuple):
@@ -37,7 +37,7 @@ class Steps(NamedTuple):
     unknown_force: Callable[..., Unknown | None]
 
     def weigh_in(self, model: LinearModel, searched: Search, *asked: Any, **how: Any) -> Weighed:
-        """Evaluate a hypothesis from its starts, with the volume of the noise of the search."""
+        """Evaluate a hypothesis, with the noise volume and inverse curvature of the search."""
         return self.weigh(model, *asked, searched.inverse, searched.volume, **how)
 
 
@@ -56,15 +56,15 @@ def search(
     model : LinearModel
         The model with every candidate.
     none : Weighed
-        The baseline alone.
+        The hypothesis without effects.
     inverse : ndarray
-        Inverse curvature of its noise.
+        Inverse curvature of the log density in its log noise parameters.
     volume : float
         Log Laplace volume of its noise.
     classes : Classes
-        Effects that enter.
+        Effects that are examined, in classes.
     steps : Steps
-        Evaluate hypotheses.
+        Functions that evaluate hypotheses.
     """
     priors = model.analysis.diagnosis.hypotheses
     searched = Search({NONE: none}, {}, None, classes, priors, inverse, volume)
@@ -73,7 +73,7 @@ def search(
     _weigh_together(model, searched, effects, shapes, steps)
     _weigh_parts(model, searched, steps)
     unknown = steps.unknown_force(model, searched.none, Acting(), inverse, volume)
-    return replace(searched, unknown=unknown, unheard=unknown is None)
+    return replace(searched, unknown=unknown, nothing_varied=unknown is None)
 
 
 def _weigh_alone(
@@ -100,7 +100,7 @@ def _weigh_alone(
 
 
 def _weigh_at_noise_of(model: LinearModel, searched: Search, leader: Weighed, steps: Steps) -> None:
-    """Evaluate the others again from the leader's noise, if it is nearly as probable for them.
+    """Evaluate single effects again from the leader's noise, if it is nearly as probable for them.
 
     Scatter may have absorbed what an effect does. With less scatter they look different.
     """
@@ -123,7 +123,7 @@ def _weigh_together(
     shapes: dict[str, float],
     steps: Steps,
 ) -> None:
-    """Weigh two effects and more together, from the best with an effect less."""
+    """Evaluate sets of two and more effects, each an extension of the best smaller sets."""
     for number in range(2, RULES.most_effects + 1):
         fewer = [
             weighed for weighed in searched.weighed.values() if len(weighed.names) == number - 1
@@ -156,11 +156,11 @@ def _weigh_together(
 def _weigh_parts(
     model: LinearModel, searched: Search, steps: Steps, forms: Sequence[FormShare] = (AS_IT_IS,)
 ) -> None:
-    """Weigh the leader without each of its effects, and so on with a part that leads then.
+    """Evaluate the leader without each of its effects, again if such a part then leads.
 
-    The way to the leader may have passed them by: a curve along speed that stands for two
-    effects can come in before the second of them, which then makes no more of it. In the place
-    of a rung of a ladder each other one is weighed too.
+    The search may have missed them: a curve along speed that imitates two effects can enter
+    first, and is not needed any more after both effects. Each effect of a ladder is also replaced
+    by the others of the ladder.
     """
     while True:
         best = searched.best()
@@ -176,21 +176,21 @@ def _weigh_parts(
 
 
 def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
-    """Weigh the finalists again, alike, in one model around the leader, with their forms.
+    """Evaluate the finalists again, in one model around the leader, with the forms of their laws.
 
     Parameters
     ----------
     model : LinearModel
-        Around the law fitted with the leading hypothesis; it has the finalists' forms.
+        Model around the law fitted with the leading hypothesis, with the finalists' forms.
     first : Search
-        By the model around the baseline.
+        Hypotheses in the model around the baseline.
     steps : Steps
-        By which hypotheses are weighed.
+        Functions that evaluate hypotheses.
     """
     leader = first.best()
     result = _weigh_finalists(model, first, leader, steps)
     _weigh_beside_best(model, result, steps)
-    # What was screened keeps its distance from what led then, as that is weighed now.
+    # Screened hypotheses keep their distance from the former leader, at its new evidence.
     level = result.weighed[leader.hypothesis].log_evidence - leader.log_evidence
     screened = first.rough | {acting: rival.log_evidence for acting, rival in first.weighed.items()}
     rough = {
@@ -202,7 +202,7 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
 
 
 def _weigh_finalists(model: LinearModel, first: Search, leader: Weighed, steps: Steps) -> Search:
-    """Return the finalists as they are weighed in a model, with all forms of their laws."""
+    """Evaluate the finalists in a model, with all forms of their laws."""
     none = steps.weigh(
         model, (), [first.none.at.psi, leader.at.psi], first.inverse, 0.0, own_volume=False
     )
@@ -222,18 +222,18 @@ def _weigh_finalists(model: LinearModel, first: Search, leader: Weighed, steps: 
             volume,
             shapes=_shapes_of(finalist),
             forms=FORM_SHARES,
-            own_volume=found_near(first, finalist),
+            own_volume=has_own_noise_volume(first, finalist),
         )
         compared[finalist.hypothesis] = again
         if finalist.hypothesis == leader.hypothesis and again.volume is not None:
-            # Where the leader's effects act, scatter is as little known as with them; the
-            # noise without them is inflated, and better known.
+            # Hypotheses with the leader's effects have its noise volume. Without these
+            # effects the noise is larger and better determined.
             volume = again.volume
     return Search(compared, {}, None, first.classes, first.priors, inverse, volume)
 
 
 def _weigh_beside_best(model: LinearModel, result: Search, steps: Steps) -> None:
-    """Weigh effects beside the best: a form of one may have passed for another, or hidden it."""
+    """Evaluate the best with one more effect, which an error of a law may have imitated."""
     best = result.best()
     if not best.names or len(best.names) >= RULES.most_effects:
         return
@@ -251,7 +251,7 @@ def _weigh_beside_best(model: LinearModel, result: Search, steps: Steps) -> None
 def _with_unknown_force(
     model: LinearModel, result: Search, leader: Weighed, steps: Steps
 ) -> Search:
-    """Return hypotheses with an unknown force, alone or beside the effects of the best."""
+    """Add an unknown force to the hypotheses, alone or with the effects of the best."""
     best, inverse, volume = result.best(), result.inverse, result.volume
     noise, near = leader.at.psi[: len(model.noise)], best.log_evidence - RULES.followed_within
     unknown = steps.unknown_force(model, result.none, Acting(), inverse, volume, [noise], near)
@@ -259,11 +259,11 @@ def _with_unknown_force(
         beside = steps.unknown_force(model, best, best.acting, inverse, volume, (), near)
         if beside is not None and _outweighs(model, beside, best):
             return result.with_unknown(unknown, beside, best.hypothesis)
-    return replace(result, unknown=unknown, unheard=unknown is None)
+    return replace(result, unknown=unknown, nothing_varied=unknown is None)
 
 
 def _outweighs(model: LinearModel, unknown: Unknown, best: Weighed) -> bool:
-    """Return whether an unknown force is more than all of the effects beside it."""
+    """Return whether an unknown force is larger than all effects that act with it."""
     rows = [rig.rows for rig in model.rigs]
     sizes = [
         relative_rms(rows, candidate) * value
@@ -277,13 +277,13 @@ def _outweighs(model: LinearModel, unknown: Unknown, best: Weighed) -> bool:
     return unknown.best.share > float(np.linalg.norm(sizes))
 
 
-def found_near(first: Search, weighed: Weighed) -> bool:
-    """Return whether a hypothesis is near enough to the best for its own noise volume."""
+def has_own_noise_volume(first: Search, weighed: Weighed) -> bool:
+    """Return whether a hypothesis is probable enough to get its own noise volume."""
     return first.worth(weighed) > first.worth(first.best()) - RULES.own_noise_within
 
 
 def _finalists(first: Search) -> list[Hypothesis]:
-    """Return the hypotheses that are compared alike, the best first."""
+    """Return the hypotheses of the final comparison, the best first."""
     ranked = sorted(first.weighed.values(), key=lambda weighed: -first.worth(weighed))
     best = ranked[0]
     top = first.worth(best)
@@ -292,7 +292,7 @@ def _finalists(first: Search) -> list[Hypothesis]:
         for rival in ranked[: RULES.finalists]
         if first.worth(rival) > top - RULES.compared_within
     ]
-    # Each part of the leader: a cause is compared with the best hypothesis without it.
+    # Each subset of the leader: a cause is compared with the best hypothesis without it.
     for number in range(1, len(best.names)):
         parts = map(Hypothesis, combinations(best.names, number))
         chosen += [part for part in parts if part in first.weighed]
@@ -300,7 +300,7 @@ def _finalists(first: Search) -> list[Hypothesis]:
 
 
 def _that_may_act(base: Weighed, effects: Sequence[str], classes: Classes) -> list[str]:
-    """Return the effects of a hypothesis, and those that may act beside them."""
+    """Return the effects of a hypothesis, and those that may act together with them."""
     return [
         name
         for name in effects
@@ -316,9 +316,9 @@ def _extended(
     shapes: dict[str, float],
     forms: Mapping[str, FormShare] | None = None,
 ) -> dict[Hypothesis, float]:
-    """Return a first look at hypotheses with an effect more, at the noise of the base.
+    """Screen hypotheses with one more effect, at the noise of the base.
 
-    Shapes that are best so are noted in `shapes` where none is known.
+    The best shapes are added to `shapes` where it has none yet.
     """
     with_columns = [
         name

@@ -1,4 +1,4 @@
-"""The verdict in a sentence, and what held-out data say of it in another."""
+"""The verdict in a sentence, and the result on held-out data in another."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ from bayesfric.schemas.causes import IMPLAUSIBLE, LEFT_OVER, Cause, Unseparated
 from bayesfric.schemas.gap import Axis, Gap, GapRow
 
 ALL_BUT = 0.999
-PAST_ALL = 1.0005  # of a share, from which on it is printed as more than all
-ROUGH = 0.2  # width of the interval of a share from which on scatter hides what it is
-WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
+PAST_ALL = 1.0005  # a larger share is printed as more than all
+ROUGH = 0.2  # width of a share's interval from which it counts as not determined
+WIDE = 0.095  # width of a share's interval from which it is printed in whole per cent
 
 
 PULLS = {
@@ -31,40 +31,40 @@ PULLS = {
 
 @dataclass(frozen=True)
 class Statement:
-    """What a sentence is made of.
+    """The parts of a verdict sentence.
 
     Parameters
     ----------
     verdict : str
         As of :func:`~bayesfric.diagnosis.verdict.decide`.
     probability : float
-        Of what it says.
+        Probability of the verdict.
     gap : Gap
-        As it is stored.
+        The gap in the form that is stored.
     share : float
         The practical share of friction.
     causes : sequence of Cause
-        Effects that make the gap.
+        Effects that cause the gap.
     where : sequence of Axis
         Axes of the gap.
     unseparated : sequence of Unseparated
-        What cannot be told apart.
+        Sets of effects that cannot be distinguished.
     present : sequence of Cause
-        Effects that act and are each less than that share, or make no gap.
+        Effects that act, but are each below that share, or cause no gap.
     considered : sequence of Cause
-        Effects that held-out data contradict.
+        Effects that were only considered, for example because held-out data contradict them.
     not_shown : str or None
-        Why the data could not have shown a gap; None where they could.
+        Why the data could not have shown a gap; None if they could.
     elsewhere : str or None
-        What other joints did, whose pull what was considered may be; None where it is not.
+        State of other joints, if their forces may imitate the considered effects; else None.
     overruled_by : str or None
-        By which rule held-out data contradict what was considered, with its figures.
+        The rule by which held-out data contradict the considered effects, with figures.
     unlike_scatter : str or None
-        What is left that scatter does not explain; None where it explains all.
+        Description of a residual that scatter does not explain; None without one.
     recorded : str
-        How many windows say so, and what a window is.
+        Number of windows, and what a window is.
     open_because : str or None
-        Why what was considered stays open, or what makes the gap; None where it does not.
+        Why the considered effects, or the cause of the gap, stay open; None if they do not.
     """
 
     verdict: Verdict
@@ -85,7 +85,7 @@ class Statement:
 
     @property
     def size(self) -> str:
-        """The systematic gap in words: as a force, and as a share where friction is there."""
+        """The systematic gap in words: as a force and, with friction, as a share."""
         gap, middle = self.gap, self.gap.systematic.q50
         if gap.no_share is not None:
             return f"{two_digits(middle)} {gap.unit} rms"
@@ -96,23 +96,23 @@ class Statement:
 
     @property
     def acting(self) -> str:
-        """That the causes act."""
+        """Words that the causes act."""
         return acting_words(self.causes, self.unseparated)
 
     @property
     def beside(self) -> str:
-        """That weaker effects act."""
+        """Words that weaker effects act."""
         return acting_words(self.present, self.unseparated)
 
     @property
     def rivals(self) -> str:
-        """Effects of which one acts; empty where there are none."""
+        """Effects of which one acts; empty if there are none."""
         open_sets = [pair.effects for pair in self.unseparated if pair.reason == "these-data"]
         return ", ".join(open_sets[0]) if open_sets else ""
 
     @property
     def place(self) -> str:
-        """Along which axis the force lies, a sentence; empty where none leads."""
+        """A sentence on the axis that explains most of the force; empty if none leads."""
         for axis in self.where:
             if axis.answers and axis.share is not None:
                 name = axis.axis.replace("_", " ")
@@ -126,7 +126,7 @@ class Statement:
 
 
 def sentence_of(statement: Statement) -> str:
-    """Return the verdict in words: one thing, and the probability of that."""
+    """Return the verdict sentence, with its probability."""
     words: dict[Verdict, Callable[[Statement], str]] = {
         "no-gap": _no_gap,
         "undecided": _undecided,
@@ -138,17 +138,17 @@ def sentence_of(statement: Statement) -> str:
 
 
 def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = None) -> str:
-    """Return what held-out data say, a sentence; that they cannot tell is one too.
+    """Return a sentence on the held-out data, also if they determine nothing.
 
     Parameters
     ----------
     gap : Gap
-        As it is stored.
+        The gap in the form that is stored.
     causes : sequence of Cause
-        Effects that are held against these data.
+        Effects that these data test.
     verdict : str or None
-        Of which :func:`sentence_of` stands before it: beside the share of a named cause it is
-        said which of the two shares to rely on.
+        Verdict of the preceding sentence (:func:`sentence_of`). After the share of a named
+        cause, the sentence says which of the two shares to rely on.
     """
     if not gap.held_out:
         return "No data could be held out: without them nothing would be left to fit."
@@ -182,7 +182,7 @@ def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = 
 
 
 def _beside_the_model(measured: Interval, inferred: Interval, row: GapRow, unit: str) -> str:
-    """Return the share that held-out data show, a sentence, and which share to rely on."""
+    """Return a sentence on the held-out share, and which share to rely on."""
     on_unseen = f"On data that the fit has not seen, {_share(measured)} is removed"
     if measured.q95 < inferred.q05:
         return (
@@ -199,7 +199,7 @@ def _beside_the_model(measured: Interval, inferred: Interval, row: GapRow, unit:
 
 
 def acting_words(effects: Sequence[Cause], unseparated: Sequence[Unseparated]) -> str:
-    """Return that effects act, with what this rig cannot tell from them."""
+    """Return words that effects act, with the effects that this rig cannot distinguish."""
     names = {effect.effect for effect in effects}
     twins = {
         twin
@@ -275,12 +275,12 @@ def _undecided(statement: Statement) -> str:
 
 
 def _how_large(gap: Gap, share: float) -> str:
-    """Return a gap as a force and as a share, with the interval of the share."""
+    """Return words for a gap as a force and as a share, with the share's interval."""
     low, middle, high = gap.systematic.q05, gap.systematic.q50, gap.systematic.q95
     if gap.no_share is not None:
         return f"The gap may be as large as {two_digits(high)} {gap.unit} rms ({gap.no_share})"
     shares = [end / gap.friction_rms for end in (low, middle, high)]
-    # Ends that are printed as the share which counts do not say on which side of it they lie.
+    # An end that is printed equal to the practical share would not show on which side it lies.
     digits = 2 if f"{share:.1%}" not in (f"{shares[0]:.1%}", f"{shares[2]:.1%}") else 3
     ends = " to ".join(f"{100 * end:.{digits}g}" for end in (shares[0], shares[2]))
     about = f"{shares[1]:.1%} of friction ({ends}%)"
@@ -321,7 +321,7 @@ def _unknown(statement: Statement) -> str:
 
 
 def _implausible(statement: Statement, begun: str, small: str) -> str:
-    """Return that the effects that come closest have sizes that no machine has."""
+    """Return the sentence for effects that fit best but have implausible sizes."""
     considered = statement.considered
     names = " and ".join(effect.effect for effect in considered)
     closest = "effect examined is" if len(considered) == 1 else "effects examined are"
@@ -334,7 +334,7 @@ def _implausible(statement: Statement, begun: str, small: str) -> str:
 
 
 def _size_of(effect: Cause) -> str:
-    """Return the size of an effect beside what is plausible of it."""
+    """Return words for the size of an effect and its plausible range."""
     name, number = next(iter(effect.parameters.items()))
     low, high = effect.plausible_range
     unit = "" if number.unit == "1" else f" {number.unit}"
@@ -366,7 +366,7 @@ def _named(statement: Statement) -> str:
 
 
 def _below(statement: Statement, less: str, make: str) -> str:
-    """Return that weaker effects are each below a share, or that they make no gap."""
+    """Return words that weaker effects are each below a share, or that they cause no gap."""
     if all(not effect.makes_a_gap for effect in statement.present) and any(
         effect.strength >= statement.share for effect in statement.present
     ):
@@ -379,7 +379,7 @@ def _middle(share: Interval) -> str:
 
 
 def _share(shrink: Interval) -> str:
-    """Return a share with its interval, as stored: chance can take it past all."""
+    """Return a share with its interval as stored, which may exceed 100 % by chance."""
     if shrink.q05 >= ALL_BUT and shrink.q95 <= PAST_ALL:
         return f"more than {ALL_BUT:.1%}"
     digits = 0 if shrink.q95 - shrink.q05 >= WIDE else 1

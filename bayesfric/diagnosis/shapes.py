@@ -23,8 +23,8 @@ from bayesfric.inference.information import Reduced
 WIDEST = 2.4  # normal quantile of a shape
 GRID = np.linspace(-WIDEST, WIDEST, 49)
 FINER, ZOOMS = np.linspace(-1.0, 1.0, 13), 3
-SWEEPS = 2  # over the shapes of effects that act together
-NEAREST = 1e-100  # to 0, of a mean in standard deviations
+SWEEPS = 2  # over the shapes of effects that act together, one shape at a time
+NEAREST = 1e-100  # least absolute mean in standard deviations
 LOG_2 = float(np.log(2))
 Places: TypeAlias = tuple[int, ...]
 """Candidates of a law."""
@@ -37,11 +37,11 @@ class Choice:
     Parameters
     ----------
     laws : tuple of Law
-        One an effect.
+        One law for each effect.
     shapes : tuple of float
-        The best, as normal quantiles.
+        The best shapes, as normal quantiles.
     log_evidence : float
-        Shapes integrated out, the laws' prior weight included.
+        Log evidence with shapes integrated out, including the prior weights of the laws.
     """
 
     laws: tuple[Law, ...]
@@ -55,11 +55,11 @@ class Quadratic:
     Parameters
     ----------
     model : LinearModel
-        For the priors.
+        Contains the priors.
     reduced : Reduced
-        The form.
+        The quadratic form.
     places : sequence of int
-        Candidates that its rows are of.
+        Candidates of its rows.
     """
 
     def __init__(self, model: LinearModel, reduced: Reduced, places: Sequence[int]) -> None:
@@ -76,7 +76,7 @@ class Quadratic:
         return self._rows[law.places]
 
     def _block(self, first: Law, second: Law) -> Array:
-        """Return the precision of the candidates of two laws."""
+        """Return the block of the precision for the candidates of two laws."""
         key = first.places, second.places
         if key not in self._blocks:
             rows = np.ix_(self._rows_of(first), self._rows_of(second))
@@ -84,7 +84,7 @@ class Quadratic:
         return self._blocks[key]
 
     def _mixture(self, law: Law, shape: Array) -> Array:
-        """Return the weights of a law's candidates; those of a shape that is held are kept."""
+        """Return the weights of a law's candidates at shapes; those of single shapes are cached."""
         if len(shape) > 1:
             return law.weights(shape)
         key = law.places, law.nodes, float(shape[0])
@@ -107,16 +107,16 @@ class Quadratic:
         return precision, slope
 
     def values(self, laws: Sequence[Law], shapes: Sequence[Array], *, exact: bool = False) -> Array:
-        """Return what amplitudes add to the log evidence, at M choices of shapes, (M,).
+        """Return the log evidence that amplitudes add, at M choices of shapes, (M,).
 
         Parameters
         ----------
         laws : sequence of Law
-            One an effect.
+            One law for each effect.
         shapes : sequence of ndarray, shape (M,) or (1,)
-            Of each.
+            Shapes of each law.
         exact : bool
-            Whether the probability of an orthant is that of its normal; else the product
+            Whether orthant probabilities are those of the joint normal, instead of the product
             of its marginals.
         """
         return self._values(self._priors(laws), *self._mixed(laws, shapes), exact=exact)
@@ -210,7 +210,7 @@ class Quadratic:
     ) -> tuple[float, float, float]:
         """Return the best shape of one effect, its integral over the prior, and its value.
 
-        The others' shapes are held.
+        The shapes of the others are fixed.
         """
         values = self._values_along(laws, shapes, which)
         grid = GRID
@@ -232,7 +232,7 @@ class Quadratic:
         return float(grid[place]), top + float(np.log(mean)), float(values_along[place])
 
     def choice(self, laws: Sequence[Law], start: Sequence[float] | None = None) -> Choice:
-        """Return the best shapes of some laws, all shapes integrated out one at a time."""
+        """Return the best shapes of given laws; shapes are integrated out one at a time."""
         shapes = list(start) if start is not None else [0.0] * len(laws)
         free = [place for place, law in enumerate(laws) if law.has_shape]
         gain = 0.0
@@ -253,18 +253,18 @@ def choose(
     names: Sequence[str],
     starts: Mapping[str, float] | None = None,
 ) -> list[Choice]:
-    """Return choices of laws of effects with columns, the best first.
+    """Return the choices of a law for each effect with columns, the best first.
 
     Parameters
     ----------
     quadratic : Quadratic
-        Of their candidates, at one noise.
+        Quadratic form of their candidates at given noise parameters.
     lawbook : mapping of str to sequence of Law
         The laws of each effect.
     names : sequence of str
         Effects.
     starts : mapping of str to float, or None
-        A shape of each law, ``effect:law``, to begin with.
+        Start for the shape of each law, by ``effect:law``.
     """
     starts_by_law = starts or {}
 
@@ -285,7 +285,7 @@ def choose(
 
 
 def log_orthant(mean: Array, covariance: Array) -> float:
-    """Return the log probability that all of some normal variables are positive.
+    """Return the log probability that all normal variables are positive.
 
     Parameters
     ----------
@@ -297,7 +297,7 @@ def log_orthant(mean: Array, covariance: Array) -> float:
     if mean.size < 2 or marginals.min() > -1e-6:
         return float(marginals.sum())
     if marginals.min() < -25.0:
-        # Far out: one after another, each given that those before are at their edge or mean.
+        # Far in the tail: one variable after another, with moments matched to the former ones.
         return _sequential(mean, covariance)
     correlation = covariance / np.outer(sd, sd)
     if mean.size == 2:
@@ -325,9 +325,9 @@ def _quadrant(first: float, second: float, correlation: float) -> float:
     Parameters
     ----------
     first, second : float
-        Their means; a mean of 0 is that of its limit.
+        Their means; a mean of 0 is treated as a limit.
     correlation : float
-        Of the two.
+        Their correlation.
     """
     h, k = (mean if abs(mean) > NEAREST else NEAREST for mean in (first, second))
     apart = np.sqrt(max((1 - correlation) * (1 + correlation), NEAREST**2))
@@ -336,7 +336,7 @@ def _quadrant(first: float, second: float, correlation: float) -> float:
 
 
 def _sequential(mean: Array, covariance: Array) -> float:
-    """Return the same by normals whose moments are matched one variable at a time."""
+    """Return the same by truncated normals with matched moments, one variable at a time."""
     mean, covariance, total = mean.copy(), covariance.copy(), 0.0
     left = list(range(mean.size))
     while left:
@@ -353,9 +353,9 @@ def _sequential(mean: Array, covariance: Array) -> float:
 
 
 def _inverse(whole: Array) -> Array:
-    """Return the inverses of matrices (M, k, k) beside a prior of 1: no eigenvalue is below it.
+    """Return the inverses of precisions (M, k, k) that include a unit prior.
 
-    Where rounding of what is very large hides that, eigenvalues are set to it.
+    No eigenvalue is below 1. If rounding of large numbers violates this, it is set to 1.
     """
     inverse = np.linalg.inv(whole)
     lost = (np.diagonal(inverse, axis1=1, axis2=2) <= 0).any(axis=1)

@@ -38,7 +38,7 @@ class AxisFunctions:
     Parameters
     ----------
     name : str
-        Of the axis.
+        Name of the axis.
     is_known : ndarray of bool, shape (R,)
         Windows with a position on the axis.
     columns : ndarray, shape (R, k)
@@ -69,7 +69,7 @@ class Shares:
     unexplained : ndarray
         The part that no axis explains.
     there : ndarray of bool
-        Draws with a force.
+        Which draws have a force.
     """
 
     share: dict[str, Array]
@@ -84,9 +84,9 @@ def functions_along(residuals: Residuals, name: str, length: float = BROAD) -> A
     Parameters
     ----------
     residuals : Residuals
-        Windows.
+        Windows of all rigs.
     name : str
-        Of a covariate of these windows.
+        Name of a covariate of these windows.
     length : float
         Length scale of smooth functions, relative to the range of the covariate.
     """
@@ -125,7 +125,7 @@ def shares_of(
     residuals : Residuals
         Windows in which the force is known.
     force : ndarray, shape (R, S)
-        Draws of it, the law recalibrated [N].
+        Draws of the force after recalibration of the law [N].
     hidden2 : mapping of str to ndarray, shape (S,)
         Mean square of periodic forces with unrecorded phase, by their axis [N²].
     waves : sequence of (frozenset of str, ndarray of shape (R,))
@@ -174,10 +174,10 @@ def shares_of(
 
 
 def _weighted(residuals: Residuals, axes: Sequence[AxisFunctions]) -> dict[str, Array]:
-    """Return friction times the functions of each axis, the law projected out, weighted, (R, k)."""
+    """Return weighted friction times each axis' functions, with the law projected out, (R, k)."""
     ready = {axis.name: _ready(residuals, axis.columns, axis.is_known) for axis in axes}
     if "setup" in ready:
-        # Assemblies differ in everything that the other axes describe: only the rest is theirs.
+        # Assemblies differ along all other axes too: only the rest belongs to the assembly.
         rest = [columns for name, columns in ready.items() if name != "setup"]
         ready["setup"] = _beyond(ready["setup"], rest)
     if "travel_since_reversal" in ready:
@@ -190,7 +190,7 @@ def _weighted(residuals: Residuals, axes: Sequence[AxisFunctions]) -> dict[str, 
 
 
 def _ready(residuals: Residuals, columns: Array, there: Flags) -> Array:
-    """Centre functions where they are known, weight them, and project a refitted law out."""
+    """Centre functions where they are defined, weight them, and project the refitted law out."""
     weight = residuals.weight * residuals.friction_n**2
     mean = (weight * there) @ columns / (weight * there).sum()
     force = np.where(there[:, None], columns - mean, 0.0) * residuals.friction_n[:, None]
@@ -199,7 +199,7 @@ def _ready(residuals: Residuals, columns: Array, there: Flags) -> Array:
 
 
 def _beyond(columns: Array, others: Sequence[Array]) -> Array:
-    """Return a basis of what other functions leave of these."""
+    """Return a basis of the part of functions that other functions leave."""
     if others:
         basis, size, _ = np.linalg.svd(np.concatenate(others, axis=1), full_matrices=False)
         basis = basis[:, size > SEEN * size[0]] if size[0] > 0 else basis[:, :0]
@@ -221,7 +221,7 @@ def _competing(
     single, together = order, []
     if len(order) > PLAYERS:
         single, together = order[: PLAYERS - 1], order[PLAYERS - 1 :]
-    # Axes with many functions come first, when there are few subsets.
+    # Axes with many functions come first, while there are few subsets.
     single = sorted(single, key=lambda name: (-weighted[name].shape[1], name))
     blocks = [Block((place,), weighted[name]) for place, name in enumerate(single)]
     blocks += _products(residuals, single)

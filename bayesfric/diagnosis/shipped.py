@@ -1,4 +1,4 @@
-"""The simulator's values as it was shipped, and which of them are held."""
+"""Shipped values of the simulator, and which of them are fixed."""
 
 from collections.abc import Collection, Mapping
 
@@ -15,15 +15,15 @@ Shipped = Mapping[str, Coefficients] | Mapping[str, float]
 
 
 def shipped_of(given: Shipped | None, data: Data) -> dict[str, Coefficients]:
-    """Return the shipped law of each size; where nobody says, of Table I or of the model.
+    """Return the shipped law of each size; by default from Table I or the machine's model.
 
     Parameters
     ----------
     given : mapping or None
-        Laws by pulley size, or numbers of laws by their names; sizes of which a number lacks
-        have no law. Where it is None, a joint has the values of its machine's model.
+        Laws by pulley size, or numbers of laws by name; a size without all its numbers has no
+        law. If it is None, a joint has the values of its machine's model.
     data : Data
-        The rigs, which know what their numbers are called.
+        The rigs, which define the names of their numbers.
     """
     if given is None:
         given = _of_model(data)
@@ -42,16 +42,16 @@ def shipped_of(given: Shipped | None, data: Data) -> dict[str, Coefficients]:
 
 
 def _of_model(data: Data) -> dict[str, float] | None:
-    """Return the numbers of a joint as its machine's model has them; None without a model."""
+    """Return the numbers of a joint from its machine's model; None without a model."""
     own = data.rigs[0].in_simulator
     if len(data.rigs) > 1 or not own:
         return None
-    # What the model has besides is taken off the force: the law's mass is the armature.
+    # The other forces of the model are subtracted, so the law's mass is the armature alone.
     return {**own, "mass": own.get("armature", 0.0)}
 
 
 def shipped_numbers(laws: Mapping[str, Coefficients], data: Data) -> dict[str, float]:
-    """Return shipped laws as numbers by the names that the rigs have for them."""
+    """Return the numbers of shipped laws by the rigs' names."""
     return {
         name: float(np.asarray(value))
         for size in data.sizes
@@ -63,16 +63,16 @@ def shipped_numbers(laws: Mapping[str, Coefficients], data: Data) -> dict[str, f
 def held_of(
     fixed: Collection[str], data: Data, shipped: Mapping[str, Coefficients]
 ) -> frozenset[str]:
-    """Return the coefficients that are held, ``c1`` or ``c1[small]``, from what a user wrote.
+    """Return the fixed coefficients, ``c1`` or ``c1[small]``, from the user's names.
 
     Parameters
     ----------
     fixed : collection of str
-        Coefficients, of a size or of all, or a rig's own names of its numbers.
+        Coefficients of one or all sizes, or a rig's own names of its numbers.
     data : Data
         The rigs.
     shipped : mapping of str to Coefficients
-        Where they are held.
+        Values at which they are fixed.
 
     Raises
     ------
@@ -111,14 +111,14 @@ def held_of(
 def held_values(
     held: Collection[str], data: Data, shipped: Mapping[str, Coefficients]
 ) -> dict[str, float]:
-    """Return the values at which numbers are held, by the names that the rigs have for them.
+    """Return the values at which numbers are fixed, by the rigs' names.
 
     Parameters
     ----------
     held : collection of str
-        As of :func:`held_of`.
+        From :func:`held_of`.
     data, shipped
-        As of there.
+        As for :func:`held_of`.
     """
     return {
         name: float(np.asarray(value))

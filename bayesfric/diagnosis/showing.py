@@ -1,4 +1,4 @@
-"""Whether the data could have shown a gap. Otherwise finding no gap means nothing.
+"""Whether the data could have shown a gap. If not, finding no gap means nothing.
 
 A recording in which nothing varied, or with fewer windows than the law has coefficients, leaves no
 gap for any truth. So does a recording that cannot distinguish an unknown force from none.
@@ -16,20 +16,20 @@ from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.physics.friction import Coefficients
 
 TOLD_OF_AXES = ("mass", "coulomb")
-LARGEST = 700.0  # nat, of which there is an exponential
+LARGEST = 700.0  # largest argument of an exponential [nat]
 
 
 def why_not_shown(search: Search, residuals: Residuals, *, along_path: bool) -> str | None:
-    """Return why the data could not have shown a gap; None where they could.
+    """Return why the data could not have shown a gap; None if they could.
 
     Parameters
     ----------
     search : Search
-        Hypotheses, an unknown force among them where something varied.
+        Hypotheses; they contain an unknown force if something varied.
     residuals : Residuals
         Windows of the recording.
     along_path : bool
-        Whether windows are neighbours along the path of a joint, and hang together.
+        Whether windows are neighbours along the path of a joint, and depend on each other.
     """
     if few := few_windows(residuals, along_path=along_path):
         return few
@@ -41,16 +41,16 @@ def why_not_shown(search: Search, residuals: Residuals, *, along_path: bool) -> 
         if better < RULES.unknown_less_likely:
             words = "do not tell an unknown force from none"
         factor = np.exp(min(better, LARGEST))
-        return f"{windows_told(residuals)} {words} (Bayes factor {factor:.2g})"
+        return f"{window_count(residuals)} {words} (Bayes factor {factor:.2g})"
     return None
 
 
 def few_windows(residuals: Residuals, *, along_path: bool) -> str | None:
-    """Return that there are too few windows for the law's numbers; None where there are enough."""
+    """Return a text if there are too few windows for the law's numbers; None if enough."""
     least = RULES.windows_a_number_of_joints if along_path else RULES.windows_a_number
     windows, numbers = residuals.independent, _numbers(residuals)
     trials = np.unique(residuals.trial).size
-    # Windows of one trial on a board share its scatter, so that they are one reading of the law.
+    # Windows of one trial on a board share its scatter, so they are one reading of the law.
     few_trials = not along_path and trials < windows
     count, what = (trials, "trial") if few_trials else (windows, "window")
     if count >= least * numbers:
@@ -64,20 +64,18 @@ def few_windows(residuals: Residuals, *, along_path: bool) -> str | None:
 def loosely_known(
     model: LinearModel, residuals: Residuals, posterior: Posterior, practical: float
 ) -> str | None:
-    """Return whether the data hardly tell mass or friction of an axis; None where they tell both.
+    """Return a text if the data hardly determine the mass or friction of an axis; else None.
 
-    One is told where its error, in the force that it makes, is below half of friction. A joint
-    that runs slower than its windows feels Coulomb friction alone, whatever other numbers make
-    up for it in them: there the law is as good as its Coulomb friction is known. Of pulleys and
-    of readings of friction the coefficients may stand for one another: what they make together
-    is told.
+    A number is determined if its error, as a force, is below half of friction. At lower speeds than
+    in the windows a joint has Coulomb friction alone, so the error of this number must be below
+    the practical share. Coefficients of pulleys are not tested: they may compensate each other.
 
     Parameters
     ----------
     model : LinearModel
-        Whose law the windows are around.
+        Model around whose law the windows are computed.
     residuals : Residuals
-        Windows of it.
+        Windows of this model.
     posterior : Posterior
         Draws of the law.
     practical : float
@@ -106,13 +104,13 @@ def loosely_known(
     return None
 
 
-def windows_told(residuals: Residuals) -> str:
-    """Return how many windows there are, those that overlap counted as what they cover."""
+def window_count(residuals: Residuals) -> str:
+    """Return the effective number of windows in words."""
     return f"{residuals.independent} window{'' if residuals.independent == 1 else 's'}"
 
 
-def windows_meant(residuals: Residuals) -> str:
-    """Return how many windows there are, and over what each of them is a mean."""
+def window_words(residuals: Residuals) -> str:
+    """Return the number of windows in words, and what each of them averages."""
     of_trial = np.bincount(residuals.trial)[residuals.trial]
     places = [
         words
@@ -122,11 +120,11 @@ def windows_meant(residuals: Residuals) -> str:
         )
         if is_there
     ]
-    return f"{windows_told(residuals)}, each the mean friction {' or '.join(places)}"
+    return f"{window_count(residuals)}, each the mean friction {' or '.join(places)}"
 
 
 def _numbers(residuals: Residuals) -> int:
-    """Return how many numbers of the law do anything here, an offset among them."""
+    """Return how many numbers of the law affect these data, including an offset."""
     sizes = np.unique(residuals.size)
     shared = int(np.any(residuals.columns[:, list(residuals.shared)], axis=0).sum())
     shown = [
@@ -138,19 +136,19 @@ def _numbers(residuals: Residuals) -> int:
 def share_of_friction(
     model: LinearModel, residuals: Residuals, posterior: Posterior
 ) -> dict[str, str | None]:
-    """Return why no share of friction can be told, as a part of the gap; None where one can.
+    """Return why the gap cannot be a share of friction, as a field of the gap; None if it can.
 
     Parameters
     ----------
     model : LinearModel
-        Whose law the windows are around.
+        Model around whose law the windows are computed.
     residuals : Residuals
-        Windows of it.
+        Windows of this model.
     posterior : Posterior
         Draws of the law.
     """
     if model.data.rigs[0].has_pulleys:
-        return {"no_share": None}  # a board whose pulleys rub not at all would not be recorded
+        return {"no_share": None}  # nobody would record a board without friction
     drawn, held = _friction_draws(model, residuals, posterior)
     middle, error = float(drawn.mean()), float(drawn.std()) + held
     if error < RULES.friction_loose * middle:
@@ -165,10 +163,10 @@ def share_of_friction(
 def _friction_draws(
     model: LinearModel, residuals: Residuals, posterior: Posterior
 ) -> tuple[Array, float]:
-    """Return draws of rms friction, (S,), and the rms of what is held at its least.
+    """Return draws of rms friction, (S,), and the rms of the part at its lower bound.
 
-    A law's friction is linear in its numbers. Draws of a number that would be below its least
-    are there: it may be nothing, whatever their spread is.
+    Friction is linear in the numbers of the law. Many draws of a number at its lower bound mean
+    that it may be zero, whatever their spread is.
     """
     laws, moved = model.laws, posterior.law.coefficients
     rows = [rig.linear(laws) for rig in model.data.rigs]
@@ -183,7 +181,7 @@ def _friction_draws(
             step = float(values.std()) or abs(middle)
             shown = residuals.columns[residuals.size == place, column].any()
             free = bool(model.free[place, column])
-            if step == 0 or not shown or not free:  # what does nothing here is not known either
+            if step == 0 or not shown or not free:  # fixed numbers, or without influence on data
                 continue
             beside = {**laws, size: law._replace(**{name: middle + step})}
             above = np.concatenate([rig.linear(beside).friction_n for rig in model.data.rigs])

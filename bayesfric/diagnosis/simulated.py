@@ -1,4 +1,4 @@
-"""What a diagnosis says of a user's simulator that had the place of the law."""
+"""The entry of a user's simulator that replaces the law in a diagnosis."""
 
 import numpy as np
 
@@ -13,19 +13,19 @@ from bayesfric.schemas.diagnosis import SimulatorUsed
 
 
 def own_law_of(data: Data) -> OwnLaw | None:
-    """Return the simulator in the place of the law; None where a law is examined."""
+    """Return the simulator that replaces the law; None if a law is examined."""
     return data.rigs[0].own_law
 
 
 def simulator_used(own: OwnLaw | None, model: LinearModel, at: At) -> SimulatorUsed | None:
-    """Return a simulator with its parameters, given the data and a hypothesis.
+    """Return the entry of a simulator, with its parameters fitted under a hypothesis.
 
     Parameters
     ----------
     own : OwnLaw or None
         The simulator.
     model : LinearModel
-        Linear in its parameters.
+        Model that is linear in the simulator's parameters.
     at : At
         The hypothesis at its mode.
     """

@@ -1,4 +1,4 @@
-"""The discrepancy without the combinations of coefficients that the data do not inform."""
+"""Removes combinations of the discrepancy's coefficients that the data do not inform."""
 
 from copy import copy
 from dataclasses import replace
@@ -8,32 +8,32 @@ from scipy.linalg import block_diag
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.discrepancy import Wide
+from bayesfric.diagnosis.information_cache import InformationCache
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.said import Said
 from bayesfric.inference.symmetric import eigen_of
 from bayesfric.observation.layout import COEFFICIENTS
 
-SEEN = 0.02  # information beside a prior of 1, below which a number is left out
+SEEN = 0.02  # information relative to the prior's; numbers with less are removed
 
 
 def squeezed(model: LinearModel, psi: Array, wide: Wide | None = None) -> LinearModel:
-    """Return the model with fewer numbers for what every hypothesis leaves open.
+    """Return the model with fewer numbers of the discrepancy.
 
-    Mixtures of smooth forces and small amounts that these data can tell nothing of, even
-    with the scatter of a good rig, are left out: their information beside their prior is
-    below :data:`SEEN`. ``full`` of what is returned is this model.
+    Combinations of smooth forces and small amounts are removed if the data do not inform them
+    even with the scatter of a good rig: their information, relative to that of the prior, is
+    below :data:`SEEN`. ``full`` of the result is this model.
 
     Parameters
     ----------
     model : LinearModel
         All rigs.
     psi : ndarray
-        Logarithms of the noise.
+        Logarithms of the noise parameters.
     wide : Wide or None
-        Smooth forces that are wider than the discrepancy; they are so in what is returned.
+        Smooth forces with a larger rms than in the discrepancy; the result has this rms.
     """
     layout, sizes = model.layout, len(model.layout.sizes)
-    information = model.said_of(model.noise.quiet(psi[: len(model.noise)]), ())
+    information = model.information_on(model.noise.quiet(psi[: len(model.noise)]), ())
     _, sd = model.prior((), wide)
     whole = sd[:, None] * information.precision * sd
     forms = len(model.forms)
@@ -58,7 +58,7 @@ def squeezed(model: LinearModel, psi: Array, wide: Wide | None = None) -> Linear
         squeeze,
         squeezed,
     )
-    squeezed_model.said = Said()
+    squeezed_model.information_cache = InformationCache()
     squeezed_model.rigs = tuple(rig.squeezed(squeeze, squeezed) for rig in model.rigs)
     squeezed_model.scales = np.ones(squeezed.local)
     squeezed_model.scales[:COEFFICIENTS] = model.scales[:COEFFICIENTS]
@@ -68,6 +68,6 @@ def squeezed(model: LinearModel, psi: Array, wide: Wide | None = None) -> Linear
 
 
 def _seen(information: Array) -> Array:
-    """Return mixtures of numbers of unit prior of which the data tell something, (n, k)."""
+    """Return combinations of numbers (with unit prior) that the data inform, (n, k)."""
     values, vectors = eigen_of(0.5 * (information + information.T))
     return np.asarray(vectors[:, values > SEEN])

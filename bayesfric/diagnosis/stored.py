@@ -1,4 +1,4 @@
-"""The figures of the gap, and the curves beside them, as they are stored."""
+"""Figures and curves of the gap, in the form that is stored."""
 
 from collections.abc import Mapping
 
@@ -36,27 +36,27 @@ def gap_of(
     rng: np.random.Generator,
     unit: str,
 ) -> tuple[Gap, Array | None]:
-    """Return how far simulation and reality are apart, and what part of it causes leave.
+    """Return the figures of the gap, and draws of the part of its square that causes leave.
 
-    The part is of the squared gap, in draws; None where nothing can shrink, or where what is
-    left is not surely of practical size.
+    The draws are None if nothing can shrink, or if what is left is not certainly of practical
+    size.
 
     Parameters
     ----------
     held_out : HeldOut
-        Figures on data that the fit has not seen.
+        Residuals on held-out data.
     posterior : Posterior
         Draws of the systematic gap.
     residuals : Residuals
-        Windows of the model that these were drawn with.
+        Windows of the model of these draws.
     arms : Arms
-        Both models.
+        The law without and with the causes.
     practical : float
         Practical share of friction.
     rng : Generator
-        For the bootstrap.
+        Source of randomness for the bootstrap.
     unit : str
-        Of a force.
+        Unit of a force.
     """
     why = _why_no_shrink(arms)
     any_out = bool(np.any(held_out.fold != IN_NONE))
@@ -66,7 +66,7 @@ def gap_of(
         open2 = _left_open(held_out, posterior, residuals)
         shrink, rest = _shrink_of_model(held_out, posterior, residuals, arms, practical)
         why = NO_GAP if shrink is None else None
-    open2 = open2 - posterior.hidden2  # windows average over what goes round with the pulleys
+    open2 = open2 - posterior.hidden2  # windows average over forces that turn with the pulleys
     left2 = float(held_out.rows[0][1].after.sum())
     unnoticed2 = (practical * friction / 2) ** 2
     disagrees = floor_disagrees(left2, held_out.by_chance, open2, unnoticed2, unit)
@@ -90,7 +90,7 @@ def gap_of(
 
 
 def _why_no_shrink(arms: Arms) -> str | None:
-    """Return why no cause can shrink the gap; None where one can."""
+    """Return why no cause can shrink the gap; None if one can."""
     if arms.causes.laws:
         return None
     return NO_PHASES if arms.causes.phases else NO_CAUSE
@@ -99,7 +99,7 @@ def _why_no_shrink(arms: Arms) -> str | None:
 def _rows_of(
     held_out: HeldOut, no_shrink: str | None, rng: np.random.Generator
 ) -> tuple[list[GapRow], GapRow, GapRow | None]:
-    """Return the rows of held-out data, that of the data of the fit, and that of trajectories."""
+    """Return the rows of held-out data, of the fitted data, and of trajectories."""
 
     def row(name: str, squares: Squares) -> GapRow:
         return gap_row(name, squares, no_shrink=no_shrink, shipped_why=NO_SHIPPED, rng=rng)
@@ -121,9 +121,9 @@ def _left_open(held_out: HeldOut, posterior: Posterior, residuals: Residuals) ->
 def _shrink_of_model(
     held_out: HeldOut, posterior: Posterior, residuals: Residuals, arms: Arms, practical: float
 ) -> tuple[Interval | None, Array | None]:
-    """Return what share of the squared gap the causes take, and draws of what they leave.
+    """Return the part of the squared gap that causes remove, and draws of the rest.
 
-    There is no share where there is no gap, and no rest that is not surely of practical size.
+    The part is None without a gap; the rest is None unless certainly of practical size.
     """
     friction = residuals.friction_rms
     own = residuals.without_law(arms.of_causes(held_out.residuals))
@@ -139,20 +139,20 @@ def _shrink_of_model(
 def floor_disagrees(
     left2: float, by_chance: Array, open2: Array, unnoticed2: float = 0.0, unit: str = "N"
 ) -> str | None:
-    """Return in which way held-out data and the model contradict each other, if they do.
+    """Return a text if held-out data and the model contradict each other; else None.
 
     Parameters
     ----------
     left2 : float
-        Mean square of what is left of data held out, once the causes act [N²].
+        Mean square of the held-out residual with the causes [N²].
     by_chance : ndarray, shape (B,)
-        Draws of it for a law that is right [N²].
+        Draws of `left2` for a correct law [N²].
     open2 : ndarray, shape (S,)
         Draws of the squared systematic gap that the causes leave [N²].
     unnoticed2 : float
-        A squared force of which nobody takes notice [N²]: where both are smaller, they agree.
+        A negligible squared force [N²]; if both are smaller, they agree.
     unit : str
-        Of a force.
+        Unit of a force.
     """
     expected2 = np.add.outer(by_chance, open2)
     less = float(np.mean(expected2 < left2))
@@ -169,7 +169,7 @@ def floor_disagrees(
 
 
 def excess_of(left2: float, by_chance: Array, open2: Array) -> float:
-    """Return the rms force that is left of data held out beyond chance; 0 where chance makes it.
+    """Return the rms of the held-out residual beyond chance [N]; 0 if chance explains it.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def excess_of(left2: float, by_chance: Array, open2: Array) -> float:
 
 
 def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array], law: RefittedLaw) -> xr.DataTree:
-    """Return what ``diagnosis.nc`` holds."""
+    """Return the content of ``diagnosis.nc``."""
     residuals = held_out.residuals
     measured = residuals.friction_n + residuals.residual_n
     groups = {

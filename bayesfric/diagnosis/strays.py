@@ -96,7 +96,7 @@ def without_strays(
 
 
 def far_rows(model: LinearModel) -> tuple[str, ...]:
-    """Return what counts little, a sentence a rig; none where nothing does."""
+    """Return a sentence on strays for each rig that has some."""
     said = []
     for rig in model.rigs:
         weight = model.full.row_weights.get(rig.rows.name)
@@ -117,7 +117,7 @@ def far_rows(model: LinearModel) -> tuple[str, ...]:
 def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
     """Return the weights of rows that are far from the likeliest hypothesis, by rig.
 
-    None where too many are. Rows of the boards of the paper all count alike.
+    None if too many rows are far away. Rows of the paper's boards have equal weights.
     """
     if all(trials.rig.words.paper for trials in model.data.rigs):
         return {}
@@ -126,7 +126,7 @@ def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
     if force is not None and search.probabilities()[UNKNOWN] >= RULES.likely:
         own, at, acting = model.full, force.at, force.acting
     plain = own.full
-    if plain.row_weights:  # rows are looked at as they are before any has another weight
+    if plain.row_weights:  # strays are identified at equal weights
         plain = plain.around(plain.laws, plain.candidates, row_weights={})
     windows = residuals_of(plain, at.psi)
     mixing = own.mixing(acting)
@@ -137,7 +137,7 @@ def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
         if not plain.data.rigs[place].rig.words.paper:
             alone, before, surely = off[mine], None, None
             if alone.size == len(rig.rows.table):
-                # A reading that no other confirms: what an effect follows it by is no agreement.
+                # If an effect follows a reading that no other confirms, this is no agreement.
                 kept = 1 - _leverage(windows, mine, own, at, mixing)
                 surely, alone = alone / np.sqrt(kept), alone / kept
                 before = model.full.row_weights.get(rig.rows.name, np.ones(alone.size))
@@ -150,7 +150,7 @@ def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
 
 
 def _leverage(windows: Residuals, rows: Flags, model: LinearModel, at: At, mixing: Array) -> Array:
-    """Return by how much of itself each reading moves what is expected of it, below 1."""
+    """Return the leverage of each reading on its own prediction, below 1."""
     local = spread_numbers(model, root_of(at.covariance).T, mixing)[:, windows.size[rows]]
     moved2 = (np.einsum("prq,rq->pr", local, windows.columns[rows]) ** 2).sum(axis=0)
     return np.asarray(np.minimum(moved2 / windows.chance2[rows], MOST_LEVERAGE))

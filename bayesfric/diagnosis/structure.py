@@ -1,8 +1,8 @@
-"""Whether residual forces that a law leaves go together along some axis, more than scatter does.
+"""Tests whether neighbouring residual forces along an axis are correlated beyond scatter.
 
-A force that no effect is like, and that is too sharp or too often back and forth for smooth
-functions, is taken for scatter by the law's own noise. Scatter is alike in any order; such a force
-is not: put in the order of an axis, neighbours have it together. Means over neighbours say so.
+A force that resembles no effect, and that is too sharp or alternates too fast for smooth functions,
+is absorbed by the noise as scatter. Scatter is independent of the order of windows. Such a force is
+not: sorted along an axis, neighbours share it, and means over neighbours are large.
 """
 
 from collections.abc import Iterator, Mapping
@@ -28,24 +28,24 @@ TIME = "time"
 """The order in which windows were recorded, an axis that every recording has."""
 DRAWS = 400
 WIDTHS = (2, 3, 5, 8, 13, 21, 34, 55)  # neighbours over which means are taken
-AT_ONCE = 64  # draws: all of them fit no cache
-MOST_WAVES = 120  # in time, over all of a recording
-FEWEST = 4  # such means, side by side, in all windows
+AT_ONCE = 64  # draws at the same time, to fit into the processor's cache
+MOST_WAVES = 120  # largest number of waves in time over a recording
+FEWEST = 4  # least number of separate means over all windows
 TINY = 1e-300
 
 
 @dataclass(frozen=True)
-class Together:
-    """A force that neighbours along an axis have together.
+class SharedForce:
+    """A force that neighbouring windows along an axis share.
 
     Parameters
     ----------
     axis : str
-        Along which it shows most.
+        The axis along which it is most significant.
     share : float
-        Its rms, of friction.
+        Its rms, relative to friction.
     p_value : float
-        Probability that scatter makes as much along any axis.
+        Probability that scatter makes a statistic as large along any axis.
     """
 
     axis: str
@@ -53,7 +53,7 @@ class Together:
     p_value: float
 
     def words(self, size: str) -> str:
-        """Say that it is there, a force of a size in words."""
+        """Return words for the force, given its size in words."""
         return (
             f"neighbouring residuals along {self.axis.replace('_', ' ')} share a force of "
             f"{size} (scatter alone makes as much with probability {self.p_value:.2g})"
@@ -61,14 +61,14 @@ class Together:
 
 
 def differs_within_runs(noise: Mapping[str, float], practical: float) -> str | None:
-    """Return that friction differs within runs by what counts; None where it does not.
+    """Return a text if friction varies within runs by more than the practical share; else None.
 
-    Scatter takes that up, whatever makes it: that no effect is like it is no finding of none.
+    Scatter absorbs this variation, whatever causes it, so that no effect is found for it.
 
     Parameters
     ----------
     noise : mapping of str to float
-        Of the likeliest hypothesis, by name.
+        Noise parameters of the likeliest hypothesis, by name.
     practical : float
         Practical share of friction.
     """
@@ -81,23 +81,22 @@ def differs_within_runs(noise: Mapping[str, float], practical: float) -> str | N
     return f"friction {how} within a run, by {share:.1%} of itself rms"
 
 
-def goes_together(
+def shared_by_neighbours(
     residuals: Residuals, left: Array, practical: float, rng: np.random.Generator
-) -> Together | None:
-    """Return the force that residuals have together along an axis; None where scatter makes it.
+) -> SharedForce | None:
+    """Return the force that neighbouring residuals share; None if scatter explains it.
 
-    The largest statistic of all axes and widths,
-    in standard deviations of what it is of residuals redrawn and refitted, is compared with the
-    largest of these.
+    Each statistic (an axis and a width) is standardised by its distribution for redrawn and
+    refitted residuals. The largest one is compared with the largest ones of these draws.
 
     Parameters
     ----------
     residuals : Residuals
-        Windows, at the noise of the likeliest hypothesis.
+        Windows, at the noise parameters of the likeliest hypothesis.
     left : ndarray, shape (R,)
-        What the law leaves in them without the systematic force that is known [N].
+        Their residual force, without the known systematic force [N].
     practical : float
-        Practical share of friction; a part of it at the least has to go together.
+        Practical share of friction; the shared force must be at least a fraction of it.
     rng : Generator
         Source of randomness.
     """
@@ -122,7 +121,7 @@ def goes_together(
     share = float(np.sqrt(max(squares[place, 0] - null[place].mean(), 0.0)))
     if p_value > RULES.like_scatter or share < RULES.order_matters * practical:
         return None
-    return Together(rows[place][0], share, p_value)
+    return SharedForce(rows[place][0], share, p_value)
 
 
 def unlike_scatter(
@@ -133,21 +132,21 @@ def unlike_scatter(
     practical: float,
     rng: np.random.Generator,
 ) -> str | None:
-    """Return in words what is left that scatter does not explain; None where it explains all.
+    """Return a text on a residual that scatter does not explain; None if it explains all.
 
-    Where friction is hardly more than what is left of it, nobody can say whether that matters, and
-    none is told.
+    Nothing is reported if friction hardly exceeds the residual, because nobody could judge its
+    size.
 
     Parameters
     ----------
     gap : Gap
-        With what held-out data leave beyond chance.
+        Contains the held-out residual beyond chance.
     residuals : Residuals
         Windows.
     left : ndarray, shape (R,)
-        What the recalibrated law leaves in them [N].
+        Residual force of the recalibrated law in these windows [N].
     posterior : Posterior
-        Draws of the systematic force in them.
+        Draws of the systematic force in these windows.
     practical : float
         Practical share of friction.
     rng : Generator
@@ -158,7 +157,9 @@ def unlike_scatter(
     if leaves_too_much(gap, practical):
         excess = f"{two_digits(gap.held_out_excess)} {gap.unit} rms"
         return f"after scatter is subtracted, an error of {excess} is left on held-out data"
-    structured = goes_together(residuals, left - posterior.force.mean(axis=1), practical, rng)
+    structured = shared_by_neighbours(
+        residuals, left - posterior.force.mean(axis=1), practical, rng
+    )
     if structured is None:
         return None
     size = f"{structured.share * gap.friction_rms:.3g} {gap.unit} rms"
@@ -168,7 +169,7 @@ def unlike_scatter(
 
 
 def _orders(residuals: Residuals) -> Iterator[tuple[str, Whole]]:
-    """Yield axes that are no category, with their windows in order."""
+    """Yield axes that are not categories, with the order of their windows."""
     recorded = np.arange(residuals.trial.size)
     for when in _times(residuals):
         yield TIME, np.argsort(when, kind="stable")
@@ -183,7 +184,7 @@ def _orders(residuals: Residuals) -> Iterator[tuple[str, Whole]]:
 def _standardised(squares: Array) -> Array:
     """Return mean squares in standard deviations of the redrawn ones, (rows, 1 + draws).
 
-    Cube roots of sums of squares are normal very nearly, however few there are.
+    Cube roots of sums of squares are nearly normal, even for few terms.
 
     References
     ----------
@@ -195,7 +196,7 @@ def _standardised(squares: Array) -> Array:
 
 
 def _times(residuals: Residuals) -> Iterator[Array]:
-    """Yield when each window was recorded: of all, and where it is known within its run."""
+    """Yield the time of each window: the order in the recording, and its time within the run."""
     when = residuals.covariates["order"]
     recorded = np.arange(residuals.trial.size)
     order = np.lexsort((recorded, np.where(np.isfinite(when), when, 0.0)))
@@ -205,7 +206,7 @@ def _times(residuals: Residuals) -> Iterator[Array]:
 
 
 def _of_neighbours(left: Array, order: Whole) -> Iterator[Array]:
-    """Yield mean squares of means over neighbours in an order, each width's, (1 + draws,)."""
+    """Yield mean squares of means over neighbours, for each width, (1 + draws,)."""
     widths = [width for width in WIDTHS if width * FEWEST <= order.size]
     squares = np.empty((len(widths), left.shape[1]))
     for start in range(0, left.shape[1], AT_ONCE):
@@ -219,7 +220,7 @@ def _of_neighbours(left: Array, order: Whole) -> Iterator[Array]:
 
 
 def _of_waves(left: Array, when: Array) -> Iterator[Array]:
-    """Yield mean squares of the wave in time that is nearest, each rate's, (1 + draws,)."""
+    """Yield mean squares of the fitted wave in time, for each frequency, (1 + draws,)."""
     span = float(np.ptp(when))
     if span == 0:
         return

@@ -1,7 +1,7 @@
-"""What is known of each effect and of the gap: posteriors averaged over hypotheses.
+"""Posteriors of the effects and of the gap, averaged over hypotheses.
 
-The gap is the rms of the systematic force over the recording's conditions, once the law is
-recalibrated: what effects, their forms, small amounts and smooth forces make together.
+The gap is the rms of the systematic force over the recording's conditions, after recalibration of
+the law. This force is the sum of effects, errors of their laws, small amounts and smooth forces.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ from bayesfric.inference.truncated import drawn_above_zero
 from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.probabilities import total
 
-SMALLEST = 1e-9  # of friction, of a gap that can shrink
+SMALLEST = 1e-9  # least gap that can shrink, relative to friction
 # Of friction: what windows and linearisation leave of boards without noise (docs/blind.md).
 
 
@@ -39,26 +39,26 @@ class Posterior:
     Parameters
     ----------
     hypothesis : ndarray of Hypothesis, shape (S,)
-        Of each draw.
+        Hypothesis of each draw.
     force : ndarray, shape (R, S)
-        Systematic force in each window, the law recalibrated [N].
+        Systematic force in each window after recalibration of the law [N].
     hidden2 : ndarray, shape (S,)
-        Mean square of forces whose phase nobody knows [N²].
+        Mean square of periodic forces with unrecorded phase [N²].
     unresolved2 : ndarray, shape (S,)
-        Mean square of what is too fine for windows and smooth forces to show [N²]. It is no
-        part of the gap, and bounds how surely causes can be said to leave nothing of it.
+        Mean square of forces that are too fine for windows and smooth forces [N²]. It is not
+        part of the gap, but limits how much of the gap the causes can be shown to explain.
     gap : ndarray, shape (S,)
-        Rms of the forces and of those whose phase nobody knows [N].
+        Rms of the systematic force, including periodic forces with unrecorded phase [N].
     strengths : dict of str to ndarray, shape (S,)
-        By effect: rms of its force over rms friction, 0 where it does not act.
+        By effect: rms force over rms friction, 0 in draws in which it does not act.
     left : dict of str to float
-        By effect: what a recalibrated law leaves of its force, rms over rms friction, in the
-        mean.
+        By effect: mean rms, over rms friction, of the part of its force that a recalibrated law
+        leaves.
     amplitudes, shapes : dict of str to ndarray
-        By effect, of the draws in which it acts.
+        By effect: values in the draws in which it acts.
     waves : dict of str to list of ndarray, shape (R,)
-        By effect that comes back along the path: its force at amplitude 1, at the best period
-        under each hypothesis [N].
+        By effect that is periodic along the path: its force at amplitude 1 with the best period,
+        for each hypothesis [N].
     law : RefittedLaw
         Coefficients and amplitudes, drawn together.
     """
@@ -79,12 +79,12 @@ class Posterior:
 def posterior_of(
     model: LinearModel, search: Search, residuals: Residuals, rng: np.random.Generator
 ) -> Posterior:
-    """Draw effects and systematic forces.
+    """Draw effects and systematic forces over all hypotheses.
 
     Parameters
     ----------
     model : LinearModel
-        In which the hypotheses were compared.
+        The model in which the hypotheses were compared.
     search : Search
         The hypotheses.
     residuals : Residuals
@@ -138,7 +138,7 @@ def posterior_of(
 
 
 def _draws_of_each(search: Search, rng: np.random.Generator) -> dict[Hypothesis, int]:
-    """Return how many draws each hypothesis has, of those that have any."""
+    """Return the number of draws of each hypothesis that has any."""
     chances = {
         hypothesis: chance
         for hypothesis, chance in search.probabilities().items()
@@ -157,9 +157,9 @@ def _draws_of_each(search: Search, rng: np.random.Generator) -> dict[Hypothesis,
 def _hypothesis_of(
     model: LinearModel, search: Search, hypothesis: Hypothesis
 ) -> tuple[LinearModel, Weighed, Wide | None]:
-    """Return a hypothesis as it was weighed, the model for it, and how large a force nobody named.
+    """Return the model for a hypothesis, its posterior, and its unknown force if it has one.
 
-    That of an unknown force has the effects that act beside it.
+    The hypothesis of an unknown force contains the effects that act with it.
     """
     if hypothesis != UNKNOWN or search.unknown is None:
         return model, search.weighed[hypothesis], None
@@ -170,7 +170,7 @@ def _hypothesis_of(
 def _numbers(
     model: LinearModel, weighed: Weighed, wide: Wide | None, count: int, rng: np.random.Generator
 ) -> Array:
-    """Return draws of a hypothesis' numbers, (S, p)."""
+    """Draw a hypothesis' numbers, (S, p)."""
     if wide is None:
         drawn = drawn_numbers(model, weighed, count, rng)
     else:
@@ -183,14 +183,14 @@ def _numbers(
 def _force_and_law(
     model: LinearModel, residuals: Residuals, own: LinearModel, acting: Acting, drawn: Array
 ) -> tuple[Array, Array]:
-    """Return draws of the systematic force in each window, (R, S), and of the law's moves."""
+    """Draw the systematic force in each window, (R, S), and changes of the law's coefficients."""
     full = model.full.layout
     local = spread_numbers(own, drawn, own.mixing(acting))
     moves = local[:, :, :3].copy()
     local[:, :, :3] = 0.0
     local[:, :, local.shape[2] - sum(model.layout.nuisances) :] = 0.0
     force = _made(residuals, local)
-    # A smooth force may hold a part of what the law says: the law is that of both.
+    # A smooth force may contain a part of the law; the recalibrated law includes it.
     local[:, :, full.own : full.own + full.candidates] = 0.0
     if model.data.rigs[0].along_path:
         local[:, :, _of_acting(model, acting)] = 0.0
@@ -198,16 +198,16 @@ def _force_and_law(
 
 
 def _of_the_law(model: LinearModel, numbers: Array) -> Array:
-    """Return the coefficients among numbers, (S, p), of each size, (S, sizes, 3)."""
+    """Return the coefficients of each size, (S, sizes, 3), from all numbers, (S, p)."""
     layout, sizes = model.layout, len(model.layout.sizes)
     local = numbers[:, : layout.own * sizes].reshape(len(numbers), sizes, layout.own)
     return np.asarray(local[:, :, :COEFFICIENTS])
 
 
 def _of_acting(model: LinearModel, acting: Acting) -> list[int]:
-    """Return local columns of traces and forms of what acts: they are its own, not the law's.
+    """Return local columns of small amounts and forms that belong to acting effects.
 
-    What a rung of a ladder has of the other ones is its own too.
+    They are not part of the law. Those of other effects of the same ladder are included.
     """
     effects = [model.candidates[law.places[0]].effect for law in acting.laws]
     names = {effect.name for effect in effects} | {law.effect for law in acting.laws}
@@ -224,7 +224,7 @@ def _of_acting(model: LinearModel, acting: Acting) -> list[int]:
 
 
 def _made(residuals: Residuals, local: Array) -> Array:
-    """Return the forces of draws of local numbers, (S, sizes, q), in each window, (R, S)."""
+    """Return the force of local numbers, (S, sizes, q), in each window, (R, S) [N]."""
     force = np.empty((residuals.size.size, len(local)))
     for size in range(local.shape[1]):
         mine = residuals.size == size
@@ -235,7 +235,7 @@ def _made(residuals: Residuals, local: Array) -> Array:
 def _made_positive(
     model: LinearModel, acting: Acting, at: At, drawn: Array, rng: np.random.Generator
 ) -> Array:
-    """Return draws of the numbers, (S, p), in which no positive amplitude is below 0."""
+    """Draw positive amplitudes again that are below 0; return all numbers, (S, p)."""
     for place, law in zip(model.places(len(acting.laws)), acting.laws, strict=True):
         if not is_positive(model.amplitude_prior(law)):
             continue
@@ -243,43 +243,43 @@ def _made_positive(
         if below.any():
             mean, variance = at.mean[place], at.covariance[place, place]
             again = drawn_above_zero(mean, np.sqrt(variance), int(below.sum()), rng)
-            # What hangs together with it moves along.
+            # Correlated numbers move with it.
             moved = again - drawn[below, place]
             drawn[below] += moved[:, None] * at.covariance[place] / variance
     return drawn
 
 
 def left_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array:
-    """Return draws of the squared gap that a force leaves, shape (S,) [N²].
+    """Return draws of the squared gap minus a predicted force, shape (S,) [N²].
 
     Parameters
     ----------
     residuals : Residuals
-        For the weights.
+        Contains the weights.
     posterior : Posterior
         Draws of the gap.
     taken : ndarray, shape (R,) or (R, S)
-        What is predicted of it, the law recalibrated [N].
+        Predicted force after recalibration of the law [N].
     """
     taken = taken.reshape(len(taken), -1)
     return np.asarray(residuals.mean_square(posterior.force, taken) + posterior.hidden2)
 
 
 def shrink_of(residuals: Residuals, posterior: Posterior, columns: Array) -> Array | None:
-    """Return draws of the part of the squared gap that causes take away.
+    """Return draws of the part of the squared gap that causes explain; None without a gap.
 
-    In each draw they have the amplitudes that take most of it: what their laws cannot have is
-    left, what phases hide, and what is too fine to be resolved. That amplitudes are known with
-    an error shows in held-out data.
+    In each draw the amplitudes are those that explain most. What remains is the part that their
+    laws cannot describe, periodic forces with unrecorded phase, and unresolved forces. Errors of
+    amplitudes are not included; they show in held-out data.
 
     Parameters
     ----------
     residuals : Residuals
-        For the weights.
+        Contains the weights.
     posterior : Posterior
         Draws of the gap.
     columns : ndarray, shape (R, k)
-        Force of each cause at amplitude 1, the law recalibrated [N].
+        Force of each cause at amplitude 1, after recalibration of the law [N].
     """
     taken = best_of(residuals, columns, posterior.force)
     there = posterior.gap > SMALLEST * residuals.friction_rms
@@ -289,14 +289,14 @@ def shrink_of(residuals: Residuals, posterior: Posterior, columns: Array) -> Arr
 
 
 def best_of(residuals: Residuals, columns: Array, force: Array) -> Array:
-    """Return the combination of columns, (R, k), nearest to forces, (R, …), by the weights [N]."""
+    """Return the weighted least-squares fit of columns, (R, k), to forces, (R, …) [N]."""
     root = np.sqrt(residuals.weight)
     target = (force.T * root).T
     return np.asarray(columns @ np.linalg.lstsq(root[:, None] * columns, target, rcond=None)[0])
 
 
 def inclusion(search: Search) -> dict[str, float]:
-    """Return the probability that each effect acts, over all hypotheses."""
+    """Return the posterior probability that each effect acts."""
     within: dict[str, list[float]] = {}
     for hypothesis, chance in search.probabilities().items():
         for effect in () if hypothesis == UNKNOWN else hypothesis:

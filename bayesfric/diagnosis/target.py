@@ -1,9 +1,9 @@
-"""Friction at conditions that somebody asks for, with and without what a diagnosis found.
+"""Predicts friction at a user's conditions, with and without the effects of a diagnosis.
 
-The law and the effects are drawn together, so that what a recalibrated law has taken up of an
-effect is told too. What acts on the board rather than on friction stays with the board, and an
-unknown force is known at the recorded conditions alone. Motion is steady, and what changes in the
-order of measuring is as in its middle.
+The law and the effects are drawn jointly, so the prediction accounts for the part of an effect that
+a recalibrated law absorbs. Effects on the board, rather than on friction, are omitted, and an
+unknown force is known only at the recorded conditions. Motion is steady, and the order of measuring
+is the middle one.
 """
 
 from collections.abc import Collection, Mapping
@@ -33,25 +33,26 @@ RECORDED = {
     "velocity_m_s": "velocity",
 }
 """Covariates of rows by the column of a condition; others have their own names."""
-SLACK = 1e-9  # relative, of the ends of what was recorded
+SLACK = 1e-9  # relative tolerance at the ends of the recorded ranges
 
 
 def check_target(target: pd.DataFrame, trials: RigTrials, sizes: Collection[str]) -> None:
-    """Refuse conditions that the rig cannot be asked about.
+    """Refuse conditions at which friction cannot be predicted.
 
     Parameters
     ----------
     target : DataFrame
-        Conditions.
+        The conditions.
     trials : RigTrials
-        Of the rig whose conditions they are.
+        Trials of the rig of these conditions.
     sizes : collection of str
         Pulley sizes with a law.
 
     Raises
     ------
     InputError
-        Friction is no function of a condition, a column is missing, or a size unknown.
+        The rig's friction is not a function of conditions, a column is missing, or a size is
+        unknown.
     """
     nothing = Coefficients(*np.zeros((3, len(target))))
     if not trials.asked and isinstance(conditions := trials.at(target, nothing), Unsupported):
@@ -82,26 +83,26 @@ def friction_at(
     effects: Mapping[str, Effect],
     unknown: float,
 ) -> FrictionAsked:
-    """Return friction at conditions, and what a simulator would miss of it.
+    """Return friction at conditions, with the effects and with the law alone.
 
     Parameters
     ----------
     target : DataFrame
-        C conditions, as :func:`check_target` passes them.
+        Conditions, checked by :func:`check_target`.
     model : LinearModel
-        In which hypotheses were compared.
+        The model in which the hypotheses were compared.
     baseline : FrictionLaw
         The friction law.
     before : mapping of str to LawNumber
-        The law fitted alone, by name of coefficient.
+        The law fitted without effects, by name of coefficient.
     posterior : Posterior
         Draws over all hypotheses.
     named : collection of str
         The causes.
     effects : mapping of str to Effect
-        That were examined.
+        Examined effects by name.
     unknown : float
-        Probability of an unknown force.
+        Posterior probability of an unknown force.
     """
     table = posterior.law.dataset()
     forces = {name: drawn_effect(table, name, effects) for name in posterior.law.amplitude}
@@ -134,7 +135,7 @@ def _at_condition(
     drawn: Mapping[str, DrawnEffect],
     named: Collection[str],
 ) -> ConditionAsked:
-    """Return friction at one condition, by draws of the law, and by the law fitted alone."""
+    """Return friction at one condition, from joint draws and from the law fitted alone."""
     trials = model.data.rigs[0]
     friction = _friction(trials, baseline, condition, law)
     state = trials.at(condition, law)
@@ -158,7 +159,7 @@ def _at_condition(
 def _friction(
     trials: RigTrials, baseline: FrictionLaw, condition: pd.DataFrame, law: Coefficients
 ) -> Array:
-    """Return the law's friction at a condition, (S,)."""
+    """Return the friction of a law at a condition, (S,) [N]."""
     state = trials.at(condition, law)
     assert not isinstance(state, Unsupported)
     friction = baseline.at_tension(law, state.n_pulleys, state.wrap_angle_deg, state.tension_n)
@@ -166,7 +167,7 @@ def _friction(
 
 
 def _alone(model: LinearModel, before: Mapping[str, LawNumber], size: str) -> Coefficients:
-    """Return the law fitted alone; what is held, or shows nowhere, as it was given."""
+    """Return the law fitted alone; fixed or unidentified coefficients are as given."""
     values = []
     for name, value in zip(Coefficients._fields, model.laws[size], strict=True):
         number = before.get(coefficient_name(name, size)) or before.get(name)
@@ -177,7 +178,7 @@ def _alone(model: LinearModel, before: Mapping[str, LawNumber], size: str) -> Co
 
 
 def _outside(model: LinearModel, condition: pd.DataFrame) -> tuple[str, ...]:
-    """Return the columns that lie outside of what was recorded."""
+    """Return the columns whose values are outside the recorded range."""
     ranges: dict[str, tuple[float, float]] = {}
     for rig in model.rigs:
         for name, values in rig.rows.covariates().items():
@@ -198,12 +199,12 @@ def _outside(model: LinearModel, condition: pd.DataFrame) -> tuple[str, ...]:
 
 
 def conditions_of(target: FrictionAsked) -> pd.DataFrame:
-    """Return the conditions that were asked about, to ask again."""
+    """Return the conditions of a stored prediction, to repeat it."""
     return pd.DataFrame([row.condition for row in target.rows])
 
 
 def target_lines(target: FrictionAsked) -> list[str]:
-    """Return a line a condition, and what does not come along, for the terminal."""
+    """Return lines for the terminal: one for each condition, and the omitted effects."""
     lines = ["friction at the conditions of --target, and the error without and with the causes:"]
     for row in target.rows:
         where = ", ".join(f"{name} {value}" for name, value in row.condition.items())

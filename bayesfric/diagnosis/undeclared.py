@@ -1,4 +1,4 @@
-"""What nobody said of a machine, where the answer hangs on it."""
+"""Undeclared properties of a machine on which the result depends."""
 
 from collections.abc import Collection, Iterator, Mapping
 
@@ -19,22 +19,22 @@ def undeclared(
     *,
     has_force: bool = True,
 ) -> Iterator[str]:
-    """Yield a sentence for each thing that nobody said and that would change the answer.
+    """Yield a sentence for each undeclared property that could change the result.
 
     Parameters
     ----------
     rig : RigConstants
         The machine.
     verdict : str
-        Of the diagnosis.
+        Verdict of the diagnosis.
     other_joints : str or None
-        What other joints did; None where there are none.
+        State of other joints; None without other joints.
     named : collection of str
-        Effects that are causes, possible, or considered.
+        Effects that are causes, possible or considered.
     examined : mapping of str to Effect
-        All that were examined.
+        All examined effects.
     has_force : bool
-        Whether a force was logged, and not only the commands of a servo.
+        Whether a force was logged; if not, only the commands of a servo were.
     """
     if other_joints is None:
         return

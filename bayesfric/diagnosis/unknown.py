@@ -72,7 +72,7 @@ class _Grid:
     def information(self, psi: Array) -> Information:
         """Return the information of coefficients, at noise parameters."""
         places = [place for law in self.acting.laws for place in law.places]
-        said = self.model.said_of(psi, places, self.acting.phases)
+        said = self.model.information_on(psi, places, self.acting.phases)
         return self.model.mixed(said, places, self.acting)
 
     def log_evidences(self, psi: Array, of: Whole) -> Array:

@@ -1,4 +1,4 @@
-"""The verdict, by the rules of the contract."""
+"""The rules of the verdict."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,18 +16,18 @@ Verdict = Literal["no-gap", "named", "unseparated", "unknown", "undecided"]
 
 @dataclass(frozen=True)
 class KnownEffect:
-    """What is known of one effect.
+    """Probability and strength of one effect.
 
     Parameters
     ----------
     effect : str
         Its name.
     probability : float
-        That it acts, over all hypotheses.
+        Posterior probability that it acts.
     above_practical : float
         Probability that its own force is above the practical share.
     strength : float
-        Its median, if it acts; rms of its force over rms friction.
+        Posterior median, if it acts, of its rms force over rms friction.
     measuring : bool
         Whether it is an error of a sensor, a clock or a constant of the drive.
     """
@@ -42,18 +42,18 @@ class KnownEffect:
 def sort_effects(
     effects_known: Sequence[KnownEffect], above: float = 1.0
 ) -> tuple[list[str], list[str], list[str]]:
-    """Return the causes, those present but too weak to matter, and those that are possible.
+    """Return the causes, the effects that are present but too weak, and the possible effects.
 
-    A cause acts with probability 0.9 at least, and its force is above the practical share
-    with 0.5 at least. An error of measuring is a cause wherever it is felt and a gap may be
-    there: where the gap is surely small it has caused none, and is present.
+    A cause acts with probability of at least 0.9, and its force exceeds the practical share
+    with probability of at least 0.5. An error of measuring is a cause if the data feel it,
+    unless the gap is certainly small: then it is present.
 
     Parameters
     ----------
     effects_known : sequence of KnownEffect
         Effects.
     above : float
-        Probability that the gap is practical or more.
+        Probability that the gap is at least of practical size.
     """
     causes: list[str] = []
     present: list[str] = []
@@ -87,11 +87,11 @@ def decide(
     causes : sequence of KnownEffect
         Effects that are causes.
     above : float
-        Probability that the gap is practical or more.
+        Probability that the gap is at least of practical size.
     together : sequence of sequence of str
         Sets of effects of which one acts.
     none_before : float
-        Prior probability that nothing acts, of which data that can show nothing leave all.
+        Prior probability of no effect, which uninformative data do not change.
     shown : bool
         Whether the data could have shown a gap.
     """
@@ -114,9 +114,9 @@ def decide(
 def sets_of_one(
     chances: Mapping[Hypothesis, float], effects_known: Sequence[KnownEffect], causes: Sequence[str]
 ) -> tuple[tuple[str, ...], ...]:
-    """Return sets of effects of which one acts with probability 0.9, and none does alone.
+    """Return sets of effects of which one acts with probability 0.9, although no single one does.
 
-    The set grows from the likeliest rivals until one of it surely acts.
+    A set grows from the likeliest rivals until it reaches this probability.
     """
     rivals = [
         effect.effect
@@ -133,7 +133,7 @@ def sets_of_one(
 
 
 def unseparated_of(classes: Classes, together: Sequence[Sequence[str]]) -> tuple[Unseparated, ...]:
-    """Return what is identical on this rig, and what these data leave open."""
+    """Return effects that are identical on this rig, and rivals that these data leave open."""
     unseparated = [
         Unseparated(effects=members, reason="identical-on-this-rig")
         for members in classes.members

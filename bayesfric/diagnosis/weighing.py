@@ -16,7 +16,7 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 from bayesfric.hypothesis import Hypothesis
 
-ROUNDS = 3  # in which laws and shapes, and the mode of the noise, are found in turn
+ROUNDS = 3  # alternations between laws with shapes and the mode of the noise
 FLATTEST = 0.01  # least curvature of a log noise parameter, whose sd is then 10
 SETTLED = 0.05  # change of a shape parameter, in normal quantiles
 # Along speed alone too, because an unknown force may act along speed alone, without coefficients
@@ -25,8 +25,8 @@ FORM_SHARES = (
     *map(FormShare, SHARES),
     *(FormShare(size, "speed_m_s") for size in SHARES[1:]),
 )
-AMPLITUDES = np.linspace(-4.0, 4.0, 9)  # of phases around the mode, in standard deviations
-START_PHASE = 0.1  # of an amplitude with phases, in units of its prior
+AMPLITUDES = np.linspace(-4.0, 4.0, 9)  # log amplitudes around the mode, in standard deviations
+START_PHASE = 0.1  # start of an amplitude with phases, in units of its prior
 
 
 @dataclass(frozen=True)
@@ -45,9 +45,9 @@ class Weighed:
     acting : Acting
         The most probable laws and shapes.
     at : At
-        At the mode of the noise.
+        Posterior at the mode of the noise.
     choices : tuple of Choice
-        Of laws, the best first, at that noise.
+        Choices of laws at that noise, the best first.
     form : FormShare
         The most probable relative error of the laws.
     bound : bool
@@ -65,7 +65,7 @@ class Weighed:
 
     @property
     def hypothesis(self) -> Hypothesis:
-        """That these effects act."""
+        """The hypothesis that these effects act."""
         return Hypothesis(self.names)
 
     @property
@@ -78,12 +78,12 @@ class Weighed:
 
     @property
     def forms(self) -> dict[str, FormShare]:
-        """The most probable share of each effect."""
+        """The most probable relative error of each effect's law."""
         return dict.fromkeys(self.names, self.form)
 
 
 class _Chosen(NamedTuple):
-    """The best laws and shapes at a noise, the log evidence of all, the choices, and the best."""
+    """Laws and shapes at given noise parameters: total log evidence, all choices, and the best."""
 
     acting: Acting
     total: float
@@ -102,7 +102,7 @@ def weigh(
     forms: Sequence[FormShare] = (AS_IT_IS,),
     own_volume: bool = False,
 ) -> Weighed:
-    """Weigh effects that act together.
+    """Compute the evidence of effects that act together.
 
     Parameters
     ----------
@@ -111,15 +111,15 @@ def weigh(
     names : sequence of str
         Effects.
     starts : sequence of ndarray
-        Logarithms of the noise, without amplitudes of phases; the best is climbed from.
+        Log noise parameters, without amplitudes of phases; the climb begins at the best.
     inverse, volume : ndarray, float
-        Inverse curvature and log Laplace volume of the noise, of another hypothesis.
+        Inverse curvature and log Laplace volume of the noise, from another hypothesis.
     shapes : mapping of str to float, or None
-        A shape of each law to begin with.
+        Start for the shape of each law.
     forms : sequence of FormShare
-        By which shares of what they do laws may be wrong, averaged over.
+        Relative errors of the laws over which the evidence is averaged.
     own_volume : bool
-        Whether the volume of this hypothesis' own noise is computed.
+        Whether the noise volume of this hypothesis is computed instead of `volume`.
     """
     names = tuple(sorted(names))
     free = [name for name in names if not _has_phases(model, name)]
@@ -141,7 +141,7 @@ def weigh(
         if _same(before[0], acting) and before[1] == form:
             break
     share = dict.fromkeys(names, form)
-    # What follows is measured from the value of these laws, shapes and forms, and no others.
+    # The following terms are relative to the value of these laws, shapes and forms.
     at = replace(chosen.at(), at_mode=at.at_mode)
     total = float(logsumexp(weights) - np.log(len(forms))) + model.log_prior(psi, acting)[0]
     total += over_amplitudes(model, at, acting, share) + model.weight_volume
@@ -166,7 +166,7 @@ def _start(
     starts: Sequence[Array],
     shapes: Mapping[str, float],
 ) -> tuple[list[Array], Array, Acting]:
-    """Return the noises to climb from, the best of them, and the laws chosen there."""
+    """Return the starts of the noise, the best of them, and the laws chosen there."""
     first = np.array([np.log(START_PHASE * model.amplitude_scale(law)) for law in phases])
     points = [np.concatenate([start[: len(model.noise)], first]) for start in starts]
     tried = [_chosen(model, free, phases, point, shapes, (AS_IT_IS,))[0] for point in points]
@@ -188,12 +188,12 @@ def _chosen(
     *,
     only_these: bool = False,
 ) -> list[_Chosen]:
-    """Return for each share of forms the best laws and shapes, and all their log evidence.
+    """Return for each relative error of the laws the best laws and shapes, and the evidence.
 
-    Whether only these effects are looked at with this noise is as of ``said_of``.
+    `only_these` is as for ``LinearModel.information_on``.
     """
     places = [place for name in free for law in model.lawbook[name] for place in law.places]
-    information = model.said_of(psi, places, phases, only_these=only_these)
+    information = model.information_on(psi, places, phases, only_these=only_these)
     results = []
     for form in shares:
         share = dict.fromkeys([*free, *(law.effect for law in phases)], form)
@@ -216,9 +216,9 @@ def _same(first: Acting, other: Acting) -> bool:
 
 
 def log_volume(curvature: Array) -> float:
-    """Return the log integral of a normal density's shape, by its negative Hessian.
+    """Return the log integral of an unnormalised normal density from its negative Hessian.
 
-    A direction that bends the other way, or hardly, is as wide as one that nothing tells.
+    A direction with negative or small curvature gets the least curvature that is allowed.
     """
     values = np.maximum(np.linalg.eigvalsh(curvature), FLATTEST)
     return float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
@@ -227,14 +227,14 @@ def log_volume(curvature: Array) -> float:
 def over_amplitudes(
     model: LinearModel, at: At, acting: Acting, form: Mapping[str, FormShare]
 ) -> float:
-    """Return the log integral over amplitudes with phases, one at a time, over its mode.
+    """Return the log integral over amplitudes with phases, one at a time, relative to the mode.
 
     Parameters
     ----------
     model : LinearModel
         All rigs.
     at : At
-        The mode, of the same effects and forms: their value there is what others are held to.
+        The mode, with the same effects and forms; integrands are relative to its value.
     acting, form
         As of :meth:`~bayesfric.diagnosis.model.LinearModel.evaluate`.
     """

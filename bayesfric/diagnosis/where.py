@@ -57,7 +57,7 @@ def where_it_lies(
     effects : mapping of str to Effect
         Effects that were evaluated, by name.
     rng : Generator
-        For the bootstrap.
+        Source of randomness for the redrawn recordings.
 
     Returns
     -------

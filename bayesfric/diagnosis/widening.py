@@ -1,4 +1,4 @@
-"""How wide the numbers of a joint's law are: as its parts, gravity and held-out data ask."""
+"""Widens intervals of a joint's law if parts of the log, or held-out data, disagree with them."""
 
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
@@ -17,15 +17,15 @@ from bayesfric.schemas.gap import Gap
 MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
 the machine what is left beside these, the rotor as the gear reflects it."""
-DEPENDENT = 1e-9  # of the largest singular value: below, columns of unit norm are one
-BLOCKS = 10  # stretches of a log that are left out one after another
-TOGETHER = (2, 4, 8)  # neighbouring windows that are one, to see what slow motion alone tells
-ROWS_A_NUMBER = 3  # that slow motion must have, to be asked
-SURELY_APART = 2.0  # standard errors of the difference of quick and slow motion
+DEPENDENT = 1e-9  # relative singular value below which columns count as dependent
+BLOCKS = 10  # stretches of a log for the jackknife
+TOGETHER = (2, 4, 8)  # neighbouring windows that are merged, to isolate slow motion
+ROWS_A_NUMBER = 3  # least merged windows for each number of the law
+SURELY_APART = 2.0  # standard errors; a larger difference of quick and slow motion counts
 UNCHANGED = (1.0, 1.0)
-SURELY_BELOW = 4.0  # standard deviations, by which viscous friction is below zero
-HARDLY = 0.05  # of a number, that its interval reaches beyond zero
-SQUEEZED = 2.0  # standard deviations of a bound below the mean, within which it cuts much off
+SURELY_BELOW = 4.0  # standard deviations below zero at which a number is certainly negative
+HARDLY = 0.05  # part of a number by which its interval may exceed zero
+SQUEEZED = 2.0  # standard deviations between mean and bound below which truncation matters
 BELOW_ZERO = (
     "The estimate of viscous friction is below 0, which is impossible: the law lacks a force that "
     "drives the joint, or a controller reacts to a disturbance. Use no number of the law from this "
@@ -39,14 +39,14 @@ Factors = Mapping[str, tuple[float, float]]
 
 
 def widened(law: Mapping[str, LawNumber], factors: Factors) -> dict[str, LawNumber]:
-    """Return the numbers of a joint's law, wider, each once: a bound is known of what was fitted.
+    """Return the numbers of a joint's law with wider intervals.
 
     Parameters
     ----------
     law : mapping of str to LawNumber
-        As fitted.
+        The law as fitted.
     factors : mapping of str to tuple of float
-        Of numbers that are wider.
+        Factors of the intervals without and with the causes, by number.
     """
 
     def wide(name: str, number: LawNumber) -> LawNumber:
@@ -62,7 +62,7 @@ def widened(law: Mapping[str, LawNumber], factors: Factors) -> dict[str, LawNumb
 
 
 def all_at_once(multiplied: Sequence[Factors], at_least: Factors) -> dict[str, tuple[float, float]]:
-    """Return products of factors, no smaller than others."""
+    """Return the product of factors for each number, raised to `at_least`."""
     names = {name for factors in (*multiplied, at_least) for name in factors}
     products = {
         name: np.prod([factors.get(name, UNCHANGED) for factors in multiplied], axis=0)
@@ -76,17 +76,17 @@ def all_at_once(multiplied: Sequence[Factors], at_least: Factors) -> dict[str, t
 
 
 def by_held_out(law: Collection[str], gap: Gap, practical: float) -> Factors:
-    """Return how many times wider held-out data show the numbers of a joint's law to be.
+    """Return factors of the intervals of a joint's law, from its held-out residual.
 
-    Where these leave more than scatter makes, by what counts, whatever makes that bends the
-    numbers too: errors by scatter alone are too small by as much.
+    If the held-out residual exceeds scatter by a practical size, its unknown cause also biases
+    the numbers. Errors from scatter alone are too small by the same factor.
 
     Parameters
     ----------
     law : collection of str
         Names of the numbers.
     gap : Gap
-        Of data held out.
+        The gap on held-out data.
     practical : float
         Practical share of friction.
 
@@ -102,17 +102,18 @@ def by_held_out(law: Collection[str], gap: Gap, practical: float) -> Factors:
 
 
 def by_sign(law: Mapping[str, LawNumber], speed: float) -> Factors:
-    """Return how many times wider numbers are where viscous friction is surely below zero.
+    """Return factors of the intervals if viscous friction is certainly negative.
 
-    No friction is: a controller that answers what disturbs its joint pushes less where it runs
-    fast, and so does what the law lacks. All numbers are wrong by as many errors as that one.
+    Negative viscous friction is unphysical. It can come from a controller that reacts to
+    disturbances, or from a force that the law lacks. All numbers are then assumed to be wrong by
+    as many standard errors.
 
     Parameters
     ----------
     law : mapping of str to LawNumber
-        As fitted.
+        The law as fitted.
     speed : float
-        Mean speed of the rows.
+        Mean speed of the rows [m/s or rad/s].
     """
     viscous = law.get("viscous")
     if viscous is None or not is_surely_below(viscous.after):
@@ -127,7 +128,7 @@ def by_sign(law: Mapping[str, LawNumber], speed: float) -> Factors:
 
 
 def is_below_zero(law: Mapping[str, LawNumber]) -> bool:
-    """Return whether viscous friction is told as below zero, as far as its errors reach."""
+    """Return whether the interval of viscous friction is below zero."""
     viscous = law.get("viscous")
     return (
         viscous is not None
@@ -137,44 +138,44 @@ def is_below_zero(law: Mapping[str, LawNumber]) -> bool:
 
 
 def is_surely_below(number: Interval) -> bool:
-    """Return whether a number is below zero, by more than its errors."""
+    """Return whether a number is below zero by many standard deviations."""
     return number.mean < -SURELY_BELOW * number.sd
 
 
 def is_open(number: Interval) -> bool:
-    """Return whether a number above zero is hardly known: its 90 % interval against its median."""
+    """Return whether the 90 % interval of a number is wide relative to its median."""
     return number.q95 - number.q05 > RULES.number_open * abs(number.q50)
 
 
 def by_parts(law: Mapping[str, LawNumber], model: LinearModel, turns: bool) -> Factors:
-    """Return how many times wider the numbers of a joint's law are, as its parts differ.
+    """Return factors of the intervals of a joint's law, from differences between parts of a log.
 
-    A force that no effect explains, such as a push by hand, bends the numbers by more than any
-    error of a row says: from stretch to stretch, or where a rotor shakes against its gear, from
-    quick motion to slow. What pulls with the place is free here, and all rows count alike: a number
-    is off by as much as that moves it, as in a free swing, where a pull takes the inertia's place,
-    or where Coulomb and viscous friction share what neither explains. Forces of unknown
-    amounts, such as the errors of a robot's model, are as large as their priors let them be.
+    A force that no effect explains, such as a push by hand, biases the numbers by more than the
+    errors of rows. The bias differs between stretches of a log or, if a rotor shakes against its
+    gear, between quick and slow motion. Here a force that depends on position is fitted too, and
+    all rows have the same weight. The change of a number by that is an error of it, for example
+    in a free swing, where such a force replaces the inertia. Forces of unknown amounts, such as
+    errors of a robot's model, have their priors.
 
     Parameters
     ----------
     law : mapping of str to LawNumber
-        With errors by the model.
+        The law with errors from the model.
     model : LinearModel
-        In which the hypotheses were compared.
+        The model in which the hypotheses were compared.
     turns : bool
         Whether the machine turns.
     """
-    rows: Any = model.rigs[0].rows  # an axis': pulleys have no readings
+    rows: Any = model.rigs[0].rows  # of an axis; pulleys have no readings
     readings = rows.readings
     place = np.asarray(readings.position @ readings.weights)
     pulls = [np.sin(place), np.cos(place)] if turns else [place]
     own = np.asarray(rows.coefficient_columns())
-    # The law may lack some, and this motion may not show others.
+    # The law may lack some numbers, and this motion may not show others.
     seen = np.asarray(np.any(own != 0, axis=0))
     own = own[:, seen]
     levers = [name for name in model.data.rigs[0].shared_numbers if name != "offset"]
-    beside = readings.beside[:, : readings.beside.shape[1] - len(levers)]  # a lever pulls so too
+    beside = readings.beside[:, : readings.beside.shape[1] - len(levers)]  # levers are fitted above
     nuisances = [readings.way, *(readings.way * pull for pull in pulls), *beside.T]
     columns, force = np.column_stack([own, *nuisances]), np.asarray(rows.residual())
     turned = np.diff(readings.way, prepend=readings.way[0]) != 0
@@ -184,13 +185,13 @@ def by_parts(law: Mapping[str, LawNumber], model: LinearModel, turns: bool) -> F
         block_errors(columns, force, amounts), errors_by_pace(columns, force, stretch, amounts)
     )
     names = [name for name, _ in model.data.law_numbers(next(iter(model.laws)))]
-    if len(names) == seen.size:  # else those that the law lacks have no name
+    if len(names) == seen.size:  # else the names lack numbers that the law does not have
         names = [name for name, is_seen in zip(names, seen.tolist(), strict=True) if is_seen]
     by_name = dict(zip([*names, "offset", *levers], errors, strict=False))
     if MASS in by_name:
         by_name |= dict.fromkeys((INERTIA, ARMATURE), by_name[MASS])
 
-    # The rows hold what is left beside the law of reference.
+    # The rows are residuals of the reference law.
     scaled, size, prior = _with_amounts(columns, force, amounts)
     freed = _least_squares(scaled, force, prior) / size
     reference = np.asarray(next(iter(model.laws.values())))[np.flatnonzero(seen)]
@@ -208,7 +209,7 @@ def by_parts(law: Mapping[str, LawNumber], model: LinearModel, turns: bool) -> F
 
 
 def _wider(number: Interval, name: str, error: float) -> float:
-    """Return how many times wider a number has to be for its sd to reach an error."""
+    """Return the factor that raises the sd of a number to a given error."""
     sd = number.sd
     if _is_squeezed(number, name):
         sd = normal_cut_to(number.mean, sd, 0.0)[1]
@@ -216,16 +217,16 @@ def _wider(number: Interval, name: str, error: float) -> float:
 
 
 def block_errors(columns: Array, force: Array, amounts: int = 0) -> Array:
-    """Return standard errors of least squares by a jackknife over stretches of rows, (k,).
+    """Return jackknife standard errors of least squares over stretches of rows, (k,).
 
     Parameters
     ----------
     columns : ndarray, shape (W, k)
-        What each number adds to the rows, in their order in time.
+        Force of each number in the rows, which are in order of time.
     force : ndarray, shape (W,)
-        Of the rows.
+        Force in the rows.
     amounts : int
-        How many of the last numbers are amounts whose priors are N(0, 1).
+        The last numbers, as many as this, are amounts with a prior N(0, 1).
 
     References
     ----------
@@ -243,17 +244,17 @@ def block_errors(columns: Array, force: Array, amounts: int = 0) -> Array:
 
 
 def errors_by_pace(columns: Array, force: Array, stretch: Whole, amounts: int = 0) -> Array:
-    """Return by how much least squares of slow motion differ from those of all, (k,).
+    """Return the difference of least squares between slow motion and all motion, (k,).
 
-    Neighbouring windows together are one wide window, in which quick motion averages out. What
-    chance makes of the difference is taken off; a difference within chance is none.
+    Neighbouring windows are merged to wide windows, in which quick motion averages out. The
+    difference is 0 if chance explains it; else the variance by chance is subtracted.
 
     Parameters
     ----------
     columns, force, amounts : ndarray, ndarray and int
         As of :func:`block_errors`.
     stretch : ndarray of int, shape (W,)
-        Number of the stretch of neighbours that run one way, ascending.
+        Index of the stretch of motion in one direction to which each row belongs, ascending.
 
     References
     ----------
@@ -275,20 +276,20 @@ def errors_by_pace(columns: Array, force: Array, stretch: Whole, amounts: int = 
             continue
         design, goal = slow[:-1].T, slow[-1]
         apart = (_least_squares(design, goal, prior) - of_all) ** 2
-        # The variance of the difference from an efficient estimate is that of the variances.
+        # The variance of a difference from an efficient estimate is the difference of variances.
         by_chance = noise2 * np.maximum(_spread(design, prior) - spread_of_all, 0.0)
         bends.append(np.where(apart > SURELY_APART**2 * by_chance, apart - by_chance, 0.0))
     return np.asarray(np.sqrt(np.max(bends, axis=0)) / size)
 
 
 def _spread(design: Array, prior: Array) -> Array:
-    """Return the variances of least squares beside rows of a prior, for noise of 1, (k,)."""
+    """Return the variances of least squares with prior rows, for unit noise, (k,)."""
     rows = np.vstack([design, prior])
     return np.asarray(np.diag(np.linalg.pinv(rows.T @ rows)))
 
 
 def _with_amounts(columns: Array, force: Array, amounts: int) -> tuple[Array, Array, Array]:
-    """Return columns of unit norm, their norms, and the rows of the priors of the last amounts."""
+    """Return columns of unit norm, their norms, and prior rows for the last `amounts` numbers."""
     size = np.linalg.norm(columns, axis=0)
     size = np.where(size > 0, size, 1.0)
     scaled = columns / size
@@ -298,16 +299,15 @@ def _with_amounts(columns: Array, force: Array, amounts: int) -> tuple[Array, Ar
 
 
 def _least_squares(design: Array, goal: Array, prior: Array) -> Array:
-    """Return least squares beside rows of a prior around zero."""
+    """Return least squares with prior rows around zero."""
     rows, zeros = np.vstack([design, prior]), np.zeros(len(prior))
     return np.asarray(np.linalg.lstsq(rows, np.append(goal, zeros), rcond=DEPENDENT)[0])
 
 
 def wider(interval: Interval, factor: float, name: str) -> Interval:
-    """Return an interval that is a factor as wide, within what the number of a name can be.
+    """Return an interval that is wider by a factor, within the bounds of the named number.
 
-    A number that is squeezed at its bound is as wide as the normal that the bound cuts off: data
-    may have it far below.
+    For a number near its bound, the underlying normal is widened and truncated again.
     """
     if factor > 1 and _is_squeezed(interval, name):
         mean, sd = normal_cut_to(interval.mean, interval.sd, 0.0)
@@ -321,9 +321,9 @@ def wider(interval: Interval, factor: float, name: str) -> Interval:
 
 
 def open_below(number: Interval) -> Interval:
-    """Return a number above zero; from zero on where data do not tell it from that.
+    """Return a positive number; its interval begins at zero if data do not exclude zero.
 
-    The end of a normal's tail that a bound cuts off would look like a finding.
+    Otherwise the 5 % quantile of a truncated normal would look like a lower limit.
     """
     return number.model_copy(update={"q05": 0.0}) if number.mean < SQUEEZED * number.sd else number
 
@@ -333,5 +333,5 @@ def _is_squeezed(interval: Interval, name: str) -> bool:
 
 
 def above(mean: float, sd: float, least: float) -> Interval:
-    """Return a number that a bound holds up, of which data alone may have some below it."""
+    """Return the interval of a normal that is truncated at a lower bound."""
     return Interval.of(*normal_above(mean, sd, least))

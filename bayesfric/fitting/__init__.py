@@ -1,4 +1,4 @@
-"""A recording and an analysis to a stored posterior."""
+"""Fits a recording, and stores the posterior and its predictions."""
 
 from bayesfric.fitting.posterior import fit
 from bayesfric.fitting.result import Fit

@@ -1,4 +1,4 @@
-"""A model and an analysis to draws of the posterior."""
+"""Draws from the posterior of a model."""
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
@@ -11,7 +11,7 @@ from bayesfric.inference.model import Model
 from bayesfric.inference.priors import quantile
 from bayesfric.inference.sampling import Draws, Progress, sample
 
-VANISHED = 1e-9  # over the median of a noise's prior; smaller values are rounding
+VANISHED = 1e-9  # relative to the median of a noise prior; smaller values are rounding
 SCATTER = (
     "readings that scatter about the law, or their standard errors; these fit it exactly, so "
     "that no error of theirs can be told"
@@ -37,14 +37,14 @@ def draw_posterior(
     progress : callable or None
         Called with the sampler's steps done and steps in all.
     checkpoint : Checkpoint or None
-        Keeps the draws on the way.
+        Stores the draws during the run.
     recording : str
-        Its name, for a refusal.
+        Name of the recording, for error messages.
 
     Raises
     ------
     InputError
-        The data fit exactly and their noise is unknown: nothing bounds the density.
+        The data fit exactly and their noise is unknown, so the density is unbounded.
     """
     try:
         laplace = bounded_mode(model, model.start())
@@ -79,7 +79,7 @@ def bounded_mode(model: Model, start: Array) -> Laplace:
     vanished = [
         parameter.name
         for parameter, value in zip(model.parameters, model.natural(laplace.mode), strict=True)
-        # A parameter of either sign, such as a clock offset, is not a scale that may vanish.
+        # A parameter of either sign, such as a clock offset, is not a scale that can vanish.
         if parameter.kind == "noise"
         and abs(value) < VANISHED * float(quantile(parameter.prior, 0.5))
     ]

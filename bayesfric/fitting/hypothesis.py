@@ -1,4 +1,4 @@
-"""A hypothesis: a friction law and the effects that act. With data it becomes a model."""
+"""A hypothesis (a friction law and acting effects), and its posterior given data."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ LAWS = BASELINES | RIVAL_LAWS
 
 @dataclass(frozen=True)
 class LawWithEffects:
-    """A law, and one law of each effect that acts.
+    """A friction law, and one law of each acting effect.
 
     Parameters
     ----------
@@ -43,18 +43,18 @@ def model_of(
     Parameters
     ----------
     data : Data
-        Of one rig or several.
+        Data of one or more rigs.
     analysis : Analysis
         Priors and the form of the scatter.
     hypothesis : LawWithEffects
-        What is assumed.
+        The hypothesis.
     effects : dict of str to Effect
-        Where the effects of the hypothesis are found by name.
+        Effects by name, including those of the hypothesis.
 
     Returns
     -------
     Model
-        Of the likelihoods of all rigs.
+        The posterior, with the likelihoods of all rigs.
     """
     law = LAWS[hypothesis.law]
     active = [ActiveEffect(effects[name], variant) for name, variant in hypothesis.effects]

@@ -37,16 +37,16 @@ CONDITION = ("setup_of_trial", *CELL)
 
 @dataclass(frozen=True)
 class Stored:
-    """Evenly spaced draws of each walker: they are written, and trials are left out of them.
+    """Evenly spaced draws of each walker, which are stored and used for leave-one-out.
 
     Parameters
     ----------
     z, theta : ndarray, shape (chain, draw, D)
         In the sampling space, and in the parameters' units; chain = ensemble × walker.
     log_density : ndarray, shape (chain, draw)
-        Of `z`.
-    ensembles : int
-        How many there are.
+        Log posterior density at `z`.
+        ensembles : int
+        Number of ensembles.
     """
 
     z: Array
@@ -56,7 +56,7 @@ class Stored:
 
     @classmethod
     def of(cls, z: Array, theta: Array, log_density: Array, trials: int) -> "Stored":
-        """Return at most 4,000 evenly spaced draws; fewer where the recording has very many trials.
+        """Return at most 4,000 evenly spaced draws; fewer if the recording has very many trials.
 
         Parameters
         ----------
@@ -65,7 +65,7 @@ class Stored:
         log_density : ndarray, shape (ensembles, draws, walkers)
             Of `z`.
         trials : int
-            Of the recording.
+            Number of trials of the recording.
         """
         ensembles, kept, walkers = log_density.shape
         chains = ensembles * walkers
@@ -92,36 +92,35 @@ def draws_of_fit(
     rng: np.random.Generator,
     attributes: Mapping[str, Any],
 ) -> xr.DataTree:
-    """Return what ``draws.nc`` holds.
+    """Return the content of ``draws.nc``.
 
     Parameters
     ----------
     model : Model
-        Of the posterior.
+        The posterior.
     rigs : mapping of str to ndarray, shape (N,)
-        Its rigs by name, each with the friction of its trials as measured [N]; where there are
-        two, their names go before ids.
+        Measured friction of the trials by rig [N]; with two rigs, ids begin with the rig's name.
     stored, left_out : Stored, and mapping of str to LeftOut
-        The draws, and what they predict of trials left out, by rig, with trials made again.
+        The draws, and by rig their leave-one-out predictions with replicated trials.
     rng : Generator
-        Of the draws of the prior and of what it predicts.
+        Source of randomness for the draws of the prior and the prior predictive.
     attributes : mapping
         Provenance.
 
     Returns
     -------
     DataTree
-        ``posterior``, ``prior``, ``log_prior``: each parameter, what every size has over
+        ``posterior``, ``prior``, ``log_prior``: each parameter; coefficients of sizes over
         ``pulley``. ``observed_data``, ``posterior_predictive``, ``prior_predictive``: ``friction``
-        over ``trial`` [N]; the posterior's is that of one trial made again among all others, as
-        when it is left out, the prior's that of the whole recording made anew. ``log_likelihood``:
+        over ``trial`` [N]. The posterior predictive is that of a replicate of one trial given all
+        others; the prior predictive is that of the whole recording. ``log_likelihood``:
         see the module; ``assembly`` is over ``setup``. ``sample_stats``: ``lp``, the log posterior
         density up to a constant. ``constant_data``: the condition of each trial.
     """
     observed = np.concatenate(list(rigs.values()))
     again = observed + np.concatenate([left.more for left in left_out.values()], axis=-1)
     before = model.draw_prior(PRIOR_DRAWS, rng)
-    # In the sampling space, where the draws have their density, every prior is N(0, 1).
+    # The density is that in the sampling space, in which every prior is N(0, 1).
     whole = stored.log_density + 0.5 * (LOG_2PI + stored.z**2).sum(axis=-1)
     priors = model.log_priors(stored.theta)
     posterior = _variables(model, stored.theta)
@@ -154,14 +153,14 @@ def _coords(model: Model, table: pd.DataFrame, setups: list[str]) -> dict[str, A
 
 
 def _dims(posterior: Mapping[str, Array], table: pd.DataFrame) -> dict[str, list[str]]:
-    """Return what variables are over, beside chain and draw."""
+    """Return the dimensions of variables, in addition to chain and draw."""
     by_size = {name: ["pulley"] for name, values in posterior.items() if values.ndim == 3}
     by_trial = {name: ["trial"] for name in CONDITION if name in table}
     return by_size | {"friction": ["trial"], "assembly": ["setup"]} | by_trial
 
 
 def _trials_and_setups(model: Model, rigs: Sequence[str]) -> tuple[pd.DataFrame, list[str]]:
-    """Return the trials and assemblies of all rigs, a rig's name before ids where there are two."""
+    """Return the trials and assemblies of all rigs; with two, ids begin with the rig's name."""
     prefixes = [f"{name}/" if len(rigs) > 1 else "" for name in rigs]
     by_prefix = list(zip(prefixes, model.likelihoods, strict=True))
     table = pd.concat(
@@ -176,12 +175,12 @@ def _trials_and_setups(model: Model, rigs: Sequence[str]) -> tuple[pd.DataFrame,
 
 
 def _log_likelihood(left_out: Mapping[str, LeftOut], whole: Array) -> dict[str, Array]:
-    """Return the group ``log_likelihood``, whose variables add up to the density of the whole.
+    """Return the group ``log_likelihood``, whose variables add up to the log likelihood.
 
     Parameters
     ----------
     left_out : mapping of str to LeftOut
-        By rig.
+        Leave-one-out predictions by rig.
     whole : ndarray, shape (chain, draw)
         Log likelihood of all data.
     """
@@ -194,7 +193,7 @@ def _log_likelihood(left_out: Mapping[str, LeftOut], whole: Array) -> dict[str, 
 
 
 def _predicted(model: Model, prior: Array, rng: np.random.Generator) -> NDArray[np.float32]:
-    """Return friction of the whole recording made anew by draws of the prior."""
+    """Return the prior predictive friction of the whole recording."""
     named = model.by_name(prior)
     anew = [
         likelihood.draw_observed(named, likelihood.draw_scatter(named, rng, together=True), rng)
@@ -204,7 +203,7 @@ def _predicted(model: Model, prior: Array, rng: np.random.Generator) -> NDArray[
 
 
 def _single(values: Array, shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """Return predictions in single precision: a thousandth of their noise, half the file."""
+    """Return predictions in single precision, which halves the file."""
     return values.reshape(*shape, -1).astype(np.float32)
 
 
@@ -235,7 +234,7 @@ def flat_attributes(attributes: Mapping[str, Any], prefix: str = "") -> dict[str
 
 
 def write_csv(tree: xr.DataTree, path: Path) -> None:
-    """Write the posterior as a table, one row a draw."""
+    """Write the posterior as a table with one row for each draw."""
     posterior = tree["posterior"].to_dataset()
     posterior = posterior.stack(sample=("chain", "draw"))  # noqa: PD013 (not of pandas)
     columns = {}

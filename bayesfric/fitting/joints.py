@@ -1,4 +1,4 @@
-"""Fits of all joints of a machine, as one."""
+"""Combines the fits of all joints of a machine."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -16,21 +16,21 @@ from bayesfric.schemas.parameter import ParameterSummary
 OFFSET = "offset"
 
 
-def fitted_together(
+def fit_joints(
     parted: Mapping[str, Recording],
     fitted: Callable[[Recording, Path | None], Fit],
     checkpoint: Path | None,
 ) -> Fit:
-    """Fit each joint by itself; the top level of the result is that of the first joint.
+    """Fit each joint separately; the top level of the result is the first joint's.
 
     Parameters
     ----------
     parted : mapping of str to Recording
-        By joint.
+        Recordings by joint.
     fitted : callable
-        Of one recording, and the folder that keeps its draws on the way.
+        Fits one recording; its second argument is the folder of its checkpoint.
     checkpoint : Path or None
-        That of all joints.
+        Checkpoint folder of all joints.
 
     Raises
     ------
@@ -79,9 +79,9 @@ def fitted_together(
 
 
 def _called(of_joint: FitFile, recording: Recording) -> dict[str, ParameterSummary]:
-    """Return the numbers of a joint's law as a diagnosis has them: no joint has a mass.
+    """Return the numbers of a joint's law by the names of a diagnosis, which has no mass.
 
-    An offset of the force is one of them, though the fit of one joint has it beside its noise.
+    An offset of the force is included; the fit of a single joint lists it with the noise.
     """
     robot, joint = recording.rig.robot, None if recording.axis is None else recording.axis.joint
     has_model = robot is not None and joint is not None and joint in robot.joints
@@ -91,7 +91,7 @@ def _called(of_joint: FitFile, recording: Recording) -> dict[str, ParameterSumma
 
 
 def _with_joints(first: xr.DataTree, trees: list[xr.DataTree]) -> xr.DataTree:
-    """Return the first joint's tree with a group ``joints`` that numbers all trees from 1."""
+    """Return the first joint's tree with a group ``joints`` of all trees, numbered from 1."""
     numbered = {str(place): tree for place, tree in enumerate(trees, start=1)}
     joints = xr.DataTree(children={name: tree.copy() for name, tree in numbered.items()})
     return xr.DataTree(first.to_dataset(), children=dict(first.children) | {"joints": joints})

@@ -1,4 +1,4 @@
-"""From several recordings, each with its own fit, to the stored fit of their population."""
+"""Fits the population of several boards, from the fit of each recording."""
 
 import hashlib
 from collections.abc import Mapping, Sequence
@@ -50,7 +50,7 @@ def board_folder(name: str) -> str:
 def check_boards(
     recordings: Mapping[str, Recording], analysis: Analysis, rigs: Sequence[str] | None
 ) -> tuple[str, ...]:
-    """Return the rigs of recordings that can be pooled, before any of them is fitted.
+    """Return the rigs of recordings; raise an error if they cannot be pooled.
 
     Parameters
     ----------
@@ -59,19 +59,19 @@ def check_boards(
     analysis : Analysis
         Its priors.
     rigs : sequence of str or None
-        As of a fit.
+        Rigs to fit, as for a fit.
 
     Raises
     ------
     InputError
-        Two recordings are the same, have data of different rigs, other pulley sizes, or no
+        Two recordings are the same, have data of different rigs or pulley sizes, or have no
         pulleys.
     """
     seen: dict[str, str] = {}
     sizes: dict[str, tuple[str, ...]] = {}
     chosen: tuple[str, ...] = ()
     for name, recording in recordings.items():
-        # A recording that was made in memory has no checksum.
+        # A recording in memory has no checksum.
         if recording.sha256 and recording.sha256 in seen:
             expected = f"other data than those of {seen[recording.sha256]}: a board counts once"
             raise InputError([Fault(name, expected)])
@@ -115,7 +115,7 @@ def pool(
     recordings : mapping of str to Recording
         By the name of the board, as :func:`check_boards` accepts them.
     fits : mapping of str to Fit
-        Of each alone, with the same rigs, law and analysis.
+        The fit of each board, with the same rigs, law and analysis.
     analysis : Analysis
         Sampler, seed, and the prior of the scatter between boards.
     progress : callable or None
@@ -124,9 +124,9 @@ def pool(
     Returns
     -------
     Fit
-        Of the population: ``draws.nc`` has a ``posterior`` with its ``c1`` and its scatter
-        ``between_c1`` over ``pulley``, and ``board_c1`` over ``board`` and ``pulley``;
-        ``predictive.nc`` has ``new_board``, coefficients of one that was not measured.
+        The fit of the population: ``draws.nc`` has a ``posterior`` with its ``c1`` and its
+        scatter ``between_c1`` over ``pulley``, and ``board_c1`` over ``board`` and ``pulley``;
+        ``predictive.nc`` has ``new_board``, the coefficients of an unmeasured board.
     """
     first = next(iter(fits.values())).summary
     models, alone = {}, {}
@@ -181,7 +181,7 @@ def _summary(
     own_names: Mapping[str, Sequence[str]],
     analysis: Analysis,
 ) -> FitFile:
-    """Return what ``fit.json`` says."""
+    """Return the content of ``fit.json``."""
     population, theta = drawn.population, drawn.theta
     convergence = dict(zip(population.names, diagnose_all(theta[:, :, None]), strict=True))
     entries = parameter_summaries(population, theta, convergence, theta)  # all are stored
@@ -234,7 +234,7 @@ def _pooled(
     entries: Mapping[str, ParameterSummary],
     new: Array,
 ) -> Pooled:
-    """Return the coefficients of the population, and how far pooling moves those of each board."""
+    """Return the coefficients of the population, and the change of each board's by pooling."""
     population = drawn.population
 
     def of_board(stem: str, size: str) -> PooledCoefficient:
@@ -308,7 +308,7 @@ def _quality(fits: Mapping[str, Fit]) -> DataQuality:
 
 
 def _new_boards(drawn: PooledDraws, seed: int) -> Array:
-    """Return coefficients of a board that was not measured, shape (chains, draws, K)."""
+    """Draw coefficients of an unmeasured board, shape (chains, draws, K)."""
     rng = np.random.default_rng(np.random.SeedSequence([seed, 12]))
     mean, sd = drawn.population.split(drawn.theta)
     return np.asarray(rng.normal(mean, sd))
@@ -320,7 +320,7 @@ def _trees(
     attributes: Mapping[str, Any],
     seed: int,
 ) -> tuple[xr.DataTree, xr.DataTree]:
-    """Return what ``draws.nc`` and ``predictive.nc`` hold."""
+    """Return the contents of ``draws.nc`` and ``predictive.nc``."""
     names, sizes = drawn.population.names, sizes_of(drawn.population.names)
     units = {
         parameter.name.partition("[")[0]: parameter.unit

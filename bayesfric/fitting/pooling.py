@@ -1,4 +1,4 @@
-"""Boards of several recordings as draws from one population: its density, and draws."""
+"""The hierarchical model of boards from one population: its density, and draws."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,20 +17,20 @@ from bayesfric.inference.sampling import Progress
 BETWEEN = "between_"
 MOST_DRAWS = 4000
 TRIES = 4  # boards for each draw of the population
-STREAM = 11  # of random numbers, beside the other parts of a fit
+STREAM = 11  # number of this random stream among those of a fit
 
 
 class Population(Model):
-    """The posterior of a population's means and scatter, its boards integrated out.
+    """The posterior of a population's means and scatter, with the boards integrated out.
 
     Parameters
     ----------
     boards : sequence of NormalBoard
-        Of the same K coefficients.
+        Normal approximations of the boards' likelihoods of the same K coefficients.
     coefficients : sequence of Parameter
-        Their means, each with the prior that a single board has.
+        Means of the population, each with the prior of a single board.
     analysis : Analysis
-        With the prior of the scatter between boards.
+        Contains the prior of the scatter between boards.
     """
 
     def __init__(
@@ -52,12 +52,12 @@ class Population(Model):
         return mean, share * np.abs(mean)
 
     def log_likelihood(self, theta: Array) -> Array:
-        """Return the log density of the boards as they are approximated, shape (W,)."""
+        """Return the log density of the boards by their approximations, shape (W,)."""
         mean, sd = self.split(theta)
         return np.asarray(sum(board.log_marginal(mean, sd) for board in self.boards))
 
     def start(self) -> Array:
-        """Return a sampling-space point to climb from, shape (D,)."""
+        """Return a starting point in the sampling space, shape (D,)."""
         count = len(self.parameters) // 2
         mean = np.mean([board.centre[:count] for board in self.boards], axis=0)
         share = [float(quantile(parameter.prior, 0.5)) for parameter in self.parameters[count:]]
@@ -71,7 +71,7 @@ class PooledDraws:
     Parameters
     ----------
     population : Population
-        Of whose parameters they are.
+        The model of the population's parameters.
     theta : ndarray, shape (chains, draws, 2 K)
         Means, and scatter between boards over the mean.
     boards : mapping of str to ndarray, shape (chains, draws, D)
@@ -79,7 +79,7 @@ class PooledDraws:
     acceptance : float
         Share of proposals that the boards' own densities accepted.
     pareto_k : float
-        Tail of the weights of the proposals.
+        Tail index of the weights of the proposals.
     """
 
     population: Population
@@ -95,14 +95,14 @@ def draw_pooled(
     analysis: Analysis,
     progress: Progress | None = None,
 ) -> PooledDraws:
-    """Draw the population of boards, and the boards given each other.
+    """Draw the population, and the parameters of each board given all boards.
 
     Parameters
     ----------
     models : mapping of str to Model
-        Of each board, with the same coefficients under the same priors.
+        The model of each board, with the same coefficients and priors.
     draws : mapping of str to ndarray, shape (S, D)
-        Of the posterior of each board alone, in the units and the order of its model.
+        Posterior draws of each board alone, in the units and the order of its model.
     analysis : Analysis
         Sampler, seed, and the prior of the scatter between boards.
     progress : callable or None
@@ -117,7 +117,7 @@ def draw_pooled(
     theta = population.natural(drawn.z)
     chains, kept, walkers, size = theta.shape
     stride = max(1, -(-chains * kept * walkers // MOST_DRAWS))
-    # Walkers one after another within a step, so that neighbours hardly depend on each other.
+    # Walkers of a step follow one another, so that neighbouring draws are nearly independent.
     theta = theta.reshape(chains, kept * walkers, size)[:, ::stride]
     flat = theta.reshape(-1, size)
     mean, sd = population.split(flat)
@@ -128,9 +128,9 @@ def draw_pooled(
         points, weights = board.draw(mean, sd, TRIES, rng)
         total = np.logaddexp.reduce(weights, axis=1)
         log_weight = log_weight + total
-        with np.errstate(invalid="ignore"):  # a population under which no tried board has a density
+        with np.errstate(invalid="ignore"):  # all proposed boards may have density 0
             share = np.nan_to_num(np.exp(weights - total[:, None]), nan=1 / TRIES)
-        # Choose one of the tried boards with the probabilities that their weights give.
+        # Choose a proposed board with probabilities by weight.
         chosen = (share.cumsum(axis=1) < rng.uniform(size=(len(share), 1))).sum(axis=1)
         tried[name] = points[np.arange(len(points)), np.minimum(chosen, TRIES - 1)]
     _, pareto_k = smooth_weights(log_weight)

@@ -1,4 +1,4 @@
-"""A recording and an analysis become a stored fit: posteriors and diagnostics."""
+"""Fits a recording: posterior, predictions and diagnostics."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ from bayesfric.checkpoint import Checkpoint
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.inference_data import Stored, draws_of_fit
-from bayesfric.fitting.joints import fitted_together
+from bayesfric.fitting.joints import fit_joints
 from bayesfric.fitting.predictive import covered, predict
 from bayesfric.fitting.predictive.assemblies import Assemblies, assemblies_of
 from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
@@ -52,18 +52,18 @@ def fit(
     Parameters
     ----------
     recording : Recording
-        With trials of at least one rig that can be fitted; those of role ``test`` do not
-        enter.
+        Contains trials of at least one rig that can be fitted; trials of role ``test`` are
+        not used.
     analysis : Analysis or None
         Priors, scatter, sampler and seed; None for the defaults.
     progress : callable or None
         Called with the sampler's steps done and steps in all.
     checkpoint : Path or None
-        Folder that keeps the draws on the way: a fit that is killed and called
-        again goes on to the same result. Remove it when the fit is written.
+        Folder that stores draws during the run: an interrupted fit that is called again
+        continues to the same result. Remove it after the fit is written.
     rigs : sequence of str or None
-        Whose data enter, by name (:func:`bayesfric.rigs.all_rigs`). None is the first rig
-        that the recording has.
+        Names of the rigs whose data are used (:func:`bayesfric.rigs.all_rigs`). None is the
+        first rig of the recording.
     baseline : str
         The friction law, a name in :data:`bayesfric.physics.laws.BASELINES`.
 
@@ -75,10 +75,10 @@ def fit(
     Raises
     ------
     InputError
-        A rig is unknown or has no data in the recording, or no trial could enter.
+        A rig is unknown or has no data in the recording, or no trial can be used.
     """
     analysis = Analysis() if analysis is None else analysis
-    with_priors(all_effects(None), analysis.priors.effects)  # refuses what no effect has
+    with_priors(all_effects(None), analysis.priors.effects)  # refuses unknown names
     if parted := parted_by_joint(recording):
 
         def of_joint(own: Recording, kept: Path | None) -> Fit:
@@ -86,7 +86,7 @@ def fit(
                 own, analysis, progress=progress, checkpoint=kept, rigs=rigs, baseline=baseline
             )
 
-        return fitted_together(parted, of_joint, checkpoint)
+        return fit_joints(parted, of_joint, checkpoint)
     chosen = chosen_rigs(recording, rigs)
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
         return _fit_rigs(recording, chosen, baseline, analysis, progress, checkpoint)
@@ -100,12 +100,12 @@ def _fit_rigs(
     progress: Progress | None,
     checkpoint: Path | None,
 ) -> Fit:
-    """Fit one law to the data of some rigs, stage by stage."""
+    """Fit one law to the data of rigs, stage by stage."""
     seconds: dict[str, float] = {}
     with _timed(seconds, "reduce"):
         data, law, analysis = opened(recording, analysis, rigs, baseline)
         model = model_of_law(data, analysis, law)
-    # The analysis with the rigs' own priors, so that the file holds all priors that were used.
+    # The analysis includes the rigs' priors, so that the file contains all priors that were used.
     attributes = provenance_of(recording, analysis)
     joint = None if recording.axis is None else recording.axis.joint
     key = ",".join([*rigs, baseline, str(joint)]) + attributes.model_dump_json()
@@ -152,7 +152,7 @@ def _fit_rigs(
 def _fit_again(
     other: Data, analysis: Analysis, law: FrictionLaw, kept: Checkpoint, progress: Progress | None
 ) -> WithoutExclusions:
-    """Return the coefficients that other trials of the same recording give."""
+    """Return the coefficients from other trials of the same recording."""
     model = model_of_law(other, analysis, law)
     draws = draw_posterior(model, analysis, progress, kept)
     return summarise_without_exclusions(_under_rules(other), model, draws)
@@ -166,7 +166,7 @@ def _leave_each_out(
     seed: int,
     rng: np.random.Generator,
 ) -> tuple[dict[str, LeftOut], dict[str, Assemblies | None]]:
-    """Return by rig the predictions of each trial, and of each assembly, from all others."""
+    """Return by rig the leave-one-out predictions of trials and of assemblies."""
     start = draws.z.reshape(-1, draws.z.shape[-1])[np.argmax(draws.log_density)]
     by_rig = dict(zip(rigs, model.likelihoods, strict=True))
     left_out = {
@@ -181,7 +181,7 @@ def _leave_each_out(
 
 
 def _measured_friction(data: Data, predictive: xr.DataTree) -> dict[str, Array]:
-    """Return by rig the friction of its trials as measured [N], shape (N,)."""
+    """Return the measured friction of trials by rig, shape (N,) [N]."""
     return {
         trials.rig.name: predictive[trials.rig.words.trials]["friction_n"].to_numpy()
         for trials in data.rigs
@@ -191,7 +191,7 @@ def _measured_friction(data: Data, predictive: xr.DataTree) -> dict[str, Array]:
 def opened(
     recording: Recording, analysis: Analysis, rigs: Sequence[str], baseline: str
 ) -> tuple[Data, FrictionLaw, Analysis]:
-    """Return what enters a fit, its law, and the analysis with the rigs' own priors.
+    """Return the data of a fit, its law, and the analysis with the rigs' own priors.
 
     Parameters and errors are those of :func:`fit`.
     """
@@ -205,7 +205,7 @@ def model_of_law(data: Data, analysis: Analysis, law: FrictionLaw) -> Model:
 
 
 def _all_that_can_enter(recording: Recording, data: Data) -> tuple[Data | None, str | None]:
-    """Return the trials with those that a rule left out, or why there are no others."""
+    """Return all trials, including excluded ones, or why there are no excluded ones."""
     ruled = [trials for trials in data.rigs if trials.excluded is not None]
     if not ruled:
         return None, "no rule keeps a trial of these rigs from entering"
@@ -218,7 +218,7 @@ def _all_that_can_enter(recording: Recording, data: Data) -> tuple[Data | None, 
 
 
 def _all_that_moved(data: Data) -> tuple[Data | None, str | None]:
-    """Return the trials that moved all the way, or why there are no others."""
+    """Return the trials that moved to the end, or why there are no others."""
     moved = [trials.moved() for trials in data.rigs]
     if not any(moved):
         return None, "all trials that enter moved all the way, or none did"
@@ -227,7 +227,7 @@ def _all_that_moved(data: Data) -> tuple[Data | None, str | None]:
 
 
 def _under_rules(data: Data) -> int:
-    """Return how many trials enter of the rigs that have rules."""
+    """Return the number of used trials of rigs with exclusion rules."""
     return sum(len(trials.table) for trials in data.rigs if trials.excluded is not None)
 
 
@@ -241,20 +241,20 @@ def _timed(seconds: dict[str, float], stage: str) -> Any:
 def tested_conditions(
     data: Data, pulleys: Mapping[str, Mapping[str, ParameterSummary]]
 ) -> dict[str, list[float] | str]:
-    """Return attributes of ``draws.nc`` that say where its coefficients come from.
+    """Return attributes of ``draws.nc``: the conditions behind its coefficients.
 
     Parameters
     ----------
     data : Data
-        The trials that entered.
+        The trials that were used.
     pulleys : mapping
-        Size to coefficient to its summary, as in ``fit.json``.
+        Summaries by size and coefficient, as in ``fit.json``.
 
     Returns
     -------
     dict
         ``tested.<size>.<axis>``: least and largest number of pulleys, wrap angle [deg] and,
-        where a rig holds the cable at rest, nominal tension [N]; ``informed.<size>``: the
+        if a rig holds the cable at rest, nominal tension [N]; ``informed.<size>``: the
         coefficients that the recording informs, separated by spaces.
     """
     seen: dict[str, list[float]] = {}

@@ -1,4 +1,4 @@
-"""A fit as it is held in memory, and how it is written."""
+"""The result of a fit, and the writing of its files."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,11 +19,11 @@ class Fit:
     Parameters
     ----------
     summary : FitFile
-        What ``fit.json`` says.
+        Content of ``fit.json``.
     draws : DataTree
-        What ``draws.nc`` holds, see :mod:`bayesfric.fitting.inference_data`.
+        Content of ``draws.nc``, see :mod:`bayesfric.fitting.inference_data`.
     predictive : DataTree
-        What ``predictive.nc`` holds, see :mod:`bayesfric.fitting.predictive`.
+        Content of ``predictive.nc``, see :mod:`bayesfric.fitting.predictive`.
     seconds : dict of str to float
         Wall time by stage.
     """
@@ -49,7 +49,7 @@ class Fit:
         csv : bool
             Also write the posterior as ``draws.csv``.
         inputs : mapping of str to sequence of str, or None
-            Paths of what the run was made from, for ``timings.json``.
+            Paths of the input files, for ``timings.json``.
 
         Raises
         ------

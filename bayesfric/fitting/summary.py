@@ -1,4 +1,4 @@
-"""Draws become the numbers of ``fit.json``: intervals, diagnostics, data quality."""
+"""The numbers of ``fit.json`` from draws: intervals, diagnostics, data quality."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
@@ -44,19 +44,19 @@ def summarise(
     chains: Array,
     coverage: Sequence[Coverage],
 ) -> FitFile:
-    """Return what ``fit.json`` says.
+    """Return the content of ``fit.json``.
 
     Parameters
     ----------
     attributes : dict
-        The fields of :class:`bayesfric.schemas.Provenance`, rigs, baseline, and what the
-        trials that were left out would change.
+        The fields of :class:`bayesfric.schemas.Provenance`, rigs, baseline, and the results
+        with excluded trials.
     recording : Recording
-        As read.
+        The recording as read.
     analysis : Analysis
-        Whose settings of scatter a rig may not follow.
+        Contains the settings of scatter, some of which a rig may ignore.
     data : Data
-        Trials that entered.
+        Trials that were used.
     model : Model
         Of the posterior.
     draws : Draws
@@ -64,7 +64,7 @@ def summarise(
     theta : ndarray, shape (ensembles, draws, walkers, D)
         The draws in the parameters' units.
     chains : ndarray, shape (ensembles, stored draws, D)
-        Those that are stored, in the same units and as they are laid out.
+        Stored draws in the same units.
     coverage : sequence of Coverage
         Shares of trials inside their predictive intervals, rig by rig.
     """
@@ -86,7 +86,7 @@ def summarise(
                 assemblies=attributes["assemblies"],
                 coverage=coverage,
             ),
-            *_not_followed(analysis, data, model),
+            *_ignored_settings(analysis, data, model),
         ),
         **_by_kind(model, entries),
         paper_estimator=_paper_estimates(data),
@@ -95,8 +95,8 @@ def summarise(
     )
 
 
-def _not_followed(analysis: Analysis, data: Data, model: Model) -> tuple[str, ...]:
-    """Return, in sentences, the settings that change nothing in this fit."""
+def _ignored_settings(analysis: Analysis, data: Data, model: Model) -> tuple[str, ...]:
+    """Return a sentence for each setting that has no effect on this fit."""
     normal = [
         line
         for trials, likelihood in zip(data.rigs, model.likelihoods, strict=True)
@@ -115,7 +115,7 @@ def _not_followed(analysis: Analysis, data: Data, model: Model) -> tuple[str, ..
 
 
 def _sampler(draws: Draws, theta: Array, least_ess: float) -> SamplerSummary:
-    """Return how the ensembles of walkers drew; `least_ess` is that of the slowest parameter."""
+    """Return the summary of the sampler; `least_ess` is that of the slowest parameter."""
     ensembles, kept, walkers, _ = theta.shape
     return SamplerSummary(
         ensembles=ensembles,
@@ -130,14 +130,14 @@ def _sampler(draws: Draws, theta: Array, least_ess: float) -> SamplerSummary:
 
 
 def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> WithoutExclusions:
-    """Return the coefficients of a fit to all trials, those that rules exclude among them.
+    """Return the coefficients of a fit to all trials, including excluded ones.
 
     Parameters
     ----------
     trials : int
-        Trials that entered it, of rigs that have rules.
+        Number of its trials of rigs with exclusion rules.
     model : Model
-        Of its posterior.
+        The posterior.
     draws : Draws
         As sampled.
     """
@@ -165,7 +165,7 @@ def _by_pulley(entries: Mapping[str, Summary]) -> dict[str, dict[str, Summary]]:
 
 
 def _by_kind(model: Model, entries: Mapping[str, ParameterSummary]) -> dict[str, Any]:
-    """Return the fields that hold the parameters."""
+    """Return the fields with the parameters."""
     of_all_sizes = {
         name: entry
         for name, entry in _of_kind(model, entries, "coefficient").items()
@@ -180,7 +180,7 @@ def _by_kind(model: Model, entries: Mapping[str, ParameterSummary]) -> dict[str,
 
 
 def _paper_estimates(data: Data) -> dict[str, PointEstimate]:
-    """Return what the paper's own way gives, by pulley size."""
+    """Return the estimates by the paper's method, by pulley size."""
     return {
         size: estimate
         for trials in data.rigs
@@ -197,7 +197,7 @@ def _of_kind(
 def parameter_summaries(
     model: Model, theta: Array, convergence: Mapping[str, Convergence], chains: Array
 ) -> dict[str, ParameterSummary]:
-    """Return what is said of each parameter of a model.
+    """Return the summary of each parameter of a model.
 
     Parameters
     ----------
@@ -206,9 +206,9 @@ def parameter_summaries(
     theta : ndarray, shape (…, D)
         Their draws.
     convergence : mapping of str to Convergence
-        Of each.
+        Convergence figures of each parameter.
     chains : ndarray, shape (chains, draws, D)
-        Draws that are stored.
+        Stored draws.
     """
     informed = informed_by_data(model, theta.reshape(-1, theta.shape[-1]))
     return {
@@ -243,14 +243,14 @@ def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str
     """Return the power-scaling sensitivity of each coefficient to priors and likelihood."""
     by_walker = draws.z.shape[:-1]
     prior = model.log_prior(theta.reshape(-1, theta.shape[-1])).reshape(by_walker)
-    # In the sampling space, where the draws have their density, every prior is N(0, 1).
+    # The density is that in the sampling space, in which every prior is N(0, 1).
     likelihood = draws.log_density + 0.5 * (LOG_2PI + draws.z**2).sum(axis=-1)
     places = {p.name: i for i, p in enumerate(model.parameters) if p.kind == "coefficient"}
     values = theta[..., list(places.values())].reshape(len(theta), -1, len(places))
     moved = {}
     for key, component in (("prior", prior), ("likelihood", likelihood)):
         flat = component.reshape(len(theta), -1)
-        # Uniform priors are the same everywhere, to whatever power.
+        # Powers of a uniform prior are constant.
         moved[key] = power_scaling(values, flat) if np.ptp(flat) > 0 else np.zeros(len(places))
     return {
         name: {
@@ -263,7 +263,7 @@ def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str
 
 
 def _quality(recording: Recording, data: Data) -> DataQuality:
-    """Return counts of the trials that entered and were excluded, from all rigs."""
+    """Return counts of used and excluded trials of all rigs."""
     fields: dict[str, Any] = {
         "trials": 0,
         "trials_used": 0,

@@ -1,5 +1,5 @@
-"""What a rig says of its data, and the two engines that are made of it once for all rigs.
+"""Observation models of rigs, and the two engines that are built from them for all rigs.
 
-The contract is `docs/decisions/observation.md`. :mod:`.exact` makes the density of the raw
-data, for fits and claims. No file here knows a rig.
+The contract is `docs/decisions/observation.md`. :mod:`.exact` computes the density of the raw
+data, for fits and claims. No file of this folder refers to a particular rig.
 """

@@ -14,11 +14,11 @@ from bayesfric.inference.priors import Parameter
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 
 UNITS = {"c1": "1", "c2": "N", "c3": "1/deg"}
-FORCE = "c2"  # is one
+FORCE = "c2"  # the coefficient that is a force
 WRAP_SLOPE, WRAP_SHARE = "c3", "wrap_share"
 PAPER_SIZES = ("small", "medium", "large")
-LEAST_PART = 0.01  # of friction, that c1 and c2 make in a start where least squares gives none
-LEAST_FRICTION_N = 1e-6  # of a size all of whose readings are 0, in a start
+LEAST_PART = 0.01  # least part of friction by c1 and by c2 in a starting value
+LEAST_FRICTION_N = 1e-6  # friction in the starting value of a size with readings of 0 only
 MIDDLE_TENSION_N = 15.0
 LEAST_INTERCEPT = 0.1  # relative to the friction of one pulley at that tension
 NO_PULLEY = ""
@@ -26,12 +26,12 @@ NO_PULLEY = ""
 
 
 def coefficient_name(name: str, size: str) -> str:
-    """Return the name of a coefficient: ``c1[small]``, or ``c1`` where there is no pulley."""
+    """Return the name of a coefficient: ``c1[small]``, or ``c1`` for a rig without pulleys."""
     return f"{name}[{size}]" if size != NO_PULLEY else name
 
 
 def coefficient_units(force_unit: str = "N") -> dict[str, str]:
-    """Return the unit of each coefficient where forces have a unit."""
+    """Return the unit of each coefficient, given the unit of forces."""
     return UNITS | {FORCE: force_unit}
 
 
@@ -43,14 +43,14 @@ def sizes_of(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def law_of(theta: Mapping[str, Array | float], size: str) -> Coefficients:
-    """Return the law of a size; a coefficient that is no parameter is 0."""
+    """Return the law of a size; coefficients that are not parameters are 0."""
     nothing = np.zeros_like(next(iter(theta.values())))
     names = (coefficient_name(name, size) for name in Coefficients._fields)
     return Coefficients(*(theta.get(name, nothing) for name in names))
 
 
 def law_of_rows(laws: Mapping[str, Coefficients], sizes: "pd.Series[str]") -> Coefficients:
-    """Return the law of each row by its pulley size, arrays of the length of the column."""
+    """Return the law of each row by its pulley size, as arrays of shape (N,)."""
     rows = zip(*(laws[size] for size in sizes), strict=True)
     return Coefficients(*(np.array(column) for column in rows))
 
@@ -74,9 +74,9 @@ class SizeIndex:
     Parameters
     ----------
     sizes : tuple of str
-        The paper's from small to large, then a user's own by name.
+        The paper's sizes from small to large, then a user's sizes by name.
     of_trial : ndarray of int, shape (N,)
-        Place in `sizes`.
+        Index in `sizes`.
     """
 
     sizes: tuple[str, ...]
@@ -105,7 +105,7 @@ class SizeIndex:
 
     @cached_property
     def _names(self) -> list[str]:
-        """Of each coefficient, those of the sizes; made once, for a likelihood asks often."""
+        """Names of all coefficients, size by size; computed once, because they are used often."""
         return [coefficient_name(f, size) for f in Coefficients._fields for size in self.sizes]
 
     def rough_coefficients(
@@ -116,7 +116,7 @@ class SizeIndex:
         friction_n: ArrayLike,
         without: Collection[str] = (),
     ) -> dict[str, float]:
-        """Return c1, c2, c3 of each size by least squares, a place to climb from.
+        """Return starting values of c1, c2, c3 of each size by least squares.
 
         Parameters
         ----------
@@ -129,8 +129,8 @@ class SizeIndex:
         Returns
         -------
         dict of str to float
-            Least-norm where the trials leave a coefficient open; c1 and c2 above 0, but for
-            what the law lacks, which is 0.
+            Minimum-norm solution if trials do not determine a coefficient. c1 and c2 are
+            positive; coefficients that the law lacks are 0.
         """
         n, tension = np.asarray(n_pulleys), np.asarray(tension_n)
         wrap = np.asarray(wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG
@@ -151,10 +151,10 @@ class SizeIndex:
 
 
 def _least_squares(columns: Array, friction_n: Array) -> list[float]:
-    """Return c1, c2 and c3 of one size, c1 and c2 not below 0.
+    """Return c1, c2 and c3 of one size by least squares, with c1 and c2 not below 0.
 
-    Without that bound trials of one load fit all too well: their tension differs by what their
-    friction does, so that friction is a straight line in it, far below 0 at no tension.
+    Without the bound, trials with one load fit too well: their tension varies only because of their
+    friction, so the fitted line has a large negative intercept.
     """
     columns = columns.copy()
     while True:
@@ -180,7 +180,7 @@ def coefficient_parameters(
     sizes : tuple of str
         Pulley sizes.
     analysis : Analysis
-        Its priors, and those of single sizes.
+        Contains the priors, also those of single sizes.
     without : collection of str
         Coefficients that the law lacks.
     force_unit : str
@@ -205,21 +205,21 @@ def coefficient_parameters(
 
 
 def coefficient_prior(priors: Priors, name: str, size: str) -> tuple[Prior, str | None]:
-    """Return the prior of a coefficient of one size, and the coefficient of which it is a share.
+    """Return the prior of a size's coefficient, and the coefficient to which it is relative.
 
     Parameters
     ----------
     priors : Priors
-        Of all sizes, and those that a size has of its own.
+        Priors of all sizes, and those of single sizes.
     name : str
-        Of the coefficient.
+        Name of the coefficient.
     size : str
-        Of the pulley.
+        Pulley size.
 
     Returns
     -------
     Prior, str or None
-        None where the prior is of the coefficient itself.
+        None if the prior is not relative.
     """
     for section in (priors.pulleys.get(size), priors):
         if (prior := getattr(section, name, None)) is not None:

@@ -1,6 +1,6 @@
-"""The exact density of a rig's raw data, made once for all rigs.
+"""The exact density of a rig's raw data, for any rig.
 
-Once a rig has reduced the rows of each trial to what they show of its friction
+After a rig has reduced the rows of each trial to a measure of its friction
 (:class:`Shown`), trial i of group j reads
 
     r_ij = p_ij (f_ij (ε_ij + η_j) + g_ij κ_j) + e_ij,
@@ -29,27 +29,27 @@ _Scattered: TypeAlias = GroupedNormal | GroupedStudent | HeavyGroups
 
 
 class Shown(NamedTuple):
-    """What the rows of N trials show of their friction, for W sets of parameters.
+    """Measures of the friction of N trials, for W sets of parameters.
 
-    A rig may have further rows that no friction moves, such as the current of an idle motor:
-    M rows in all, those of the trials first.
+    A rig may have further rows without friction, such as the current of an idle motor. There are
+    M rows in total, with those of the trials first.
 
     Parameters
     ----------
     residual, variance : ndarray, shape (W, M)
-        What is shown less its mean, and the variance of its error, in the unit of a row.
+        Measured minus expected value, and the variance of its error, in the unit of a row.
     friction : ndarray, shape (W, N)
-        By the law and the effects: what scatters [N].
+        Friction by the law and the effects, which scatters [N].
     constant : ndarray, shape (W, N), or float
-        The log density of a trial's raw data less that of what it shows.
+        Log density of a trial's raw data minus that of its measure.
     curve : ndarray, shape (M, K), or None
-        What numbers that all rows share, each N(0, 1), add.
+        Contribution of shared numbers, each N(0, 1), to the rows.
     sign : ndarray, shape (N,), or float
-        −1 where a larger row shows less friction.
+        −1 for a row that decreases with friction, else 1.
     per_newton : ndarray, shape (W, 1), or float
-        What a newton of friction adds to a row.
+        Change of a row by 1 N of friction.
     newtons : float
-        What a unit of a row is read as [N].
+        Friction that corresponds to one unit of a row [N].
     """
 
     residual: Array
@@ -67,29 +67,29 @@ class AtRest(Protocol):
 
     @property
     def setups(self) -> tuple[str, ...]:
-        """Groups on which no trial moved."""
+        """Names of groups in which no trial moved."""
 
     def setup_log_probability(self, theta: Mapping[str, Array], moving: GroupedNormal) -> Array:
-        """Return log P(at rest | those that moved) of each group, shape (W, J)."""
+        """Return log P(at rest | moving trials) of each group, shape (W, J)."""
 
     def trial_log_density(self, theta: Mapping[str, Array], moving: GroupedNormal) -> Array:
-        """Return their term in the log density of each trial that moved, given the rest, (W, N)."""
+        """Return their term in the log density of each moving trial given the others, (W, N)."""
 
     def trial_cdf(self, theta: Mapping[str, Array], moving: GroupedNormal, cdf: Array) -> Array:
-        """Return the probability of less friction of each that moved, given the rest, (W, N)."""
+        """Return the CDF of each moving trial's friction at its value, given the others, (W, N)."""
 
 
 class ExactModel(Protocol):
-    """What a rig says of its trials under a law and effects.
+    """The observation model of a rig's trials under a law and effects.
 
     Attributes
     ----------
     trials : DataFrame
-        N rows, those of a group adjacent.
+        N trials; those of a group are adjacent.
     coefficients : tuple of Parameter
-        Of the friction law.
+        Coefficients of the friction law.
     scatter : ScatterLevels
-        Levels of the scatter.
+        Levels of the scatter of friction.
     further : tuple of Parameter
         Noise, nuisances and effects.
     at_rest : AtRest or None
@@ -108,19 +108,19 @@ class ExactModel(Protocol):
     def intercept(self, theta: Mapping[str, Array]) -> Array | float:
         """Return the part of friction that does not grow with tension, (W, N) [N].
 
-        A number where the rig's scatter has no level of its own for it.
+        A number if the rig's scatter has no separate level for it.
         """
         del theta
         return 0.0
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
-        """Return what the rows show of each trial's friction."""
+        """Return the measure of each trial's friction."""
 
     def read(self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator) -> Array:
         """Draw friction as measured, given its deviation from the law, shape (…, W, N) [N]."""
 
     def start(self) -> dict[str, float]:
-        """Return rough values of :attr:`coefficients` and :attr:`further`."""
+        """Return starting values of :attr:`coefficients` and :attr:`further`."""
 
 
 class ExactLikelihood:
@@ -134,11 +134,11 @@ class ExactLikelihood:
     Attributes
     ----------
     parameters : tuple of Parameter
-        What the density depends on.
+        Parameters of the density.
     trials : DataFrame
-        The N trials in the order of every result.
+        The N trials, in the order of all results.
     setups, sizes : tuple of str
-        The J groups, those on which no trial moved last, and the pulley sizes.
+        The J groups, with those without a moving trial last, and the pulley sizes.
     """
 
     def __init__(self, model: ExactModel) -> None:
@@ -171,11 +171,11 @@ class ExactLikelihood:
     def given_rest(
         self, theta: Mapping[str, Array], rng: np.random.Generator | None = None
     ) -> GivenRest:
-        """Return densities and probabilities of each trial and group given all else.
+        """Return densities and CDF values of each trial and group, given all others.
 
-        A group on which no trial moved has no probability of less friction, nor has any where
-        scatter is Student-t. A trial is made again given those of its group that moved; what
-        trials at rest add to that is left out.
+        A group has no CDF value if no trial of it moved, or if scatter is Student-t. With `rng`, a
+        replicate of each trial is drawn given the moving trials of its group; trials at rest are
+        ignored for that.
         """
         shown = self.model.shown(theta)
         scattered = self._scattered(theta, shown)
@@ -197,10 +197,9 @@ class ExactLikelihood:
         return GivenRest(density, setup, cdf, setup_cdf, more)
 
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return the probability of less friction than each trial's, of recordings made again.
+        """Return CDF values of the trials of replicated recordings, shape (W, N).
 
-        A recording a row, with new scatter on new groups and the shared curve drawn from its
-        prior; shape (W, N).
+        Each row is a recording with new groups; its shared curve is drawn from the prior.
         """
         shown = self.model.shown(theta)
         residual = np.sqrt(shown.variance) * rng.standard_normal(shown.residual.shape)
@@ -216,8 +215,8 @@ class ExactLikelihood:
     ) -> Array:
         """Draw the deviations of new trials, relative to friction, shape (W, N).
 
-        `together` puts trials of one group on one new group too, as when the whole recording is
-        made again; else each is on one of its own.
+        With `together`, trials of a group also share a new group, as in a replicate of the whole
+        recording; otherwise each trial has a new group of its own.
         """
         share = self.model.intercept(theta) / self.model.law(theta)
         return self.model.scatter.draw(theta, share, self._groups if together else None, rng)
@@ -229,11 +228,11 @@ class ExactLikelihood:
         return self.model.read(theta, deviation, rng)
 
     def start(self) -> dict[str, float]:
-        """Return rough estimates, a place to climb from."""
+        """Return starting values of all parameters."""
         return self.model.start() | self.model.scatter.start()
 
     def _scattered(self, theta: Mapping[str, Array], shown: Shown) -> _Scattered:
-        """Return the density of what is shown."""
+        """Return the density of the measures."""
         scatter = self.model.scatter
         own, *shared = scatter.values(theta)
         count, trials = shown.residual.shape[1], len(self.trials)
@@ -241,7 +240,7 @@ class ExactLikelihood:
         own_variance = (own * shown.per_newton * shown.friction) ** 2
         moved = [sd * shown.per_newton * part for sd, part in zip(shared, parts, strict=False)]
         moved = moved or [np.zeros_like(shown.friction)]
-        if count > trials:  # rows at rest scatter with nothing
+        if count > trials:  # rows without friction do not scatter
             beyond = ((0, 0), (0, count - trials))
             own_variance, *moved = (np.pad(rows, beyond) for rows in (own_variance, *moved))
         starts = self._groups.starts if count == trials else np.append(self._groups.starts, trials)
@@ -273,5 +272,5 @@ class ExactLikelihood:
 
 
 def _normal(scattered: _Scattered) -> GroupedNormal:
-    assert isinstance(scattered, GroupedNormal)  # else trials at rest are refused
+    assert isinstance(scattered, GroupedNormal)  # Student-t scatter excludes trials at rest
     return scattered

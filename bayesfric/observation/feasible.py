@@ -1,7 +1,7 @@
-"""Conditions that could be measured next: levels that were recorded, each with each other.
+"""Conditions that could be measured next: all combinations of recorded levels.
 
-What one more trial tells is asked of these by :mod:`bayesfric.planning` and
-:mod:`bayesfric.diagnosis.next_experiment`; a rig says which columns make its conditions.
+:mod:`bayesfric.planning` and :mod:`bayesfric.diagnosis.next_experiment` evaluate further trials at
+these conditions. A rig defines which columns make its conditions.
 """
 
 import re
@@ -17,13 +17,13 @@ PRINTED = {"n": "N", "n_m": "N·m", "m_s": "m/s", "rad_s": "rad/s", "hz": "Hz"}
 
 
 def name_and_unit(name: str) -> tuple[str, str]:
-    """Return the name of a setting without its unit, and the unit: velocity, and m/s."""
+    """Return the name of a setting without its unit, and the unit, such as velocity and m/s."""
     unit = UNIT.search(name)
     return (name[: unit.start()], PRINTED.get(unit[1], unit[1])) if unit else (name, "")
 
 
 def levels_of(column: "pd.Series[float]", most: int | None = None) -> pd.DataFrame:
-    """Return values of a column that were recorded, ascending, as a table."""
+    """Return recorded values of a column, ascending, as a table."""
     values = np.unique(column.to_numpy())
     return pd.DataFrame({column.name: values[evenly(values.size, most or values.size)]})
 
@@ -31,19 +31,19 @@ def levels_of(column: "pd.Series[float]", most: int | None = None) -> pd.DataFra
 def every_condition(
     measured: pd.DataFrame, levels: Callable[[pd.DataFrame], Sequence[pd.DataFrame]]
 ) -> pd.DataFrame:
-    """Return every condition that the levels of each pulley size make together.
+    """Return all combinations of the levels of each pulley size.
 
     Parameters
     ----------
     measured : DataFrame
-        Trials that were recorded.
+        The recorded trials.
     levels : callable
-        Of the trials of one size, to a table of the levels of each of their settings.
+        Function of the trials of one size that returns a table of levels for each setting.
 
     Returns
     -------
     DataFrame
-        A row a condition, as a trial on an assembly of its own.
+        One row for each condition, as a trial on its own assembly.
     """
     laid = []
     for size, own in measured.groupby("pulley_size", sort=False):
@@ -55,6 +55,6 @@ def every_condition(
 
 
 def numbered(conditions: pd.DataFrame) -> pd.DataFrame:
-    """Return conditions as trials, each on an assembly of its own."""
+    """Return conditions as trials, each on its own assembly."""
     names = [f"t{place:04d}" for place in range(len(conditions))]
     return conditions.reset_index(drop=True).assign(trial=names, setup=names)

@@ -49,7 +49,7 @@ class HeavyScatter:
     rank : int
         R.
     weight : ndarray, shape (M,)
-        λ of each.
+        Weights λ.
     volume : ndarray, shape (M,)
         Log of the integral over log λ divided by the density at the mode, minus that of a deviation
         that is known exactly.
@@ -63,7 +63,7 @@ class HeavyScatter:
 
     @classmethod
     def equal(cls, level: str, freedom: float, rank: int, count: int) -> "HeavyScatter":
-        """Return equal weights, as a start."""
+        """Return equal weights as a starting value."""
         return cls(level, freedom, rank, np.ones(count), np.zeros(count))
 
     def updated(self, given: Deviations) -> "HeavyScatter":
@@ -72,7 +72,7 @@ class HeavyScatter:
         Parameters
         ----------
         given : Deviations
-            At the present weights, in units of the scales with these weights.
+            Posterior at the present weights, in units of the scales with these weights.
         """
         half = self.freedom / 2
         mean, covariance = given
@@ -92,7 +92,7 @@ class HeavyScatter:
         setup : ndarray of int, shape (N,)
             Assembly of each trial.
         used : ndarray of bool, shape (N,), or None
-            Trials that enter; None is all.
+            Trials that are used; None is all.
         """
         half, log = self.freedom / 2, np.log(self.weight)
         density = half * np.log(half) - gammaln(half) + half * (log - self.weight)
@@ -102,14 +102,14 @@ class HeavyScatter:
         return float(density.sum())
 
     def of_trials(self, trials: Whole) -> Array | float:
-        """Return by what the variance of each of some trials' own deviation is divided."""
+        """Return the divisors of the variances of trials' own deviations."""
         return self.weight[trials] if self.level == "trial" else 1.0
 
     def of_setups(self, setups: Whole) -> Array | float:
-        """Return by what the variances of some assemblies' deviations are divided."""
+        """Return the divisors of the variances of assemblies' deviations."""
         return self.weight[setups] if self.level == "assembly" else 1.0
 
 
 def _log_volume(shape: Array | float) -> Array:
-    """Return the log integral of exp(h (u − eᵘ + 1)) over u, h a shape."""
+    """Return the log integral of exp(h (u − eᵘ + 1)) over u for a shape h."""
     return np.asarray(gammaln(shape) - shape * np.log(shape) + shape)

@@ -1,10 +1,10 @@
-"""Where each number of the linear model stands.
+"""The order of the numbers of the linear model.
 
-The numbers are, for each pulley size, the three coefficients of the law and smooth forces
-of the discrepancy; then, shared by all sizes, an amplitude of each effect that acts; then what
-every hypothesis has: further smooth forces, small amounts and other forms of effects, and each
-rig's own nuisances, such as the curve of an idle motor. A trial meets those of its own size
-only: its columns are the *local* ones. All are in units of their scale.
+First, for each pulley size, come the three coefficients of the law and smooth forces of the
+discrepancy. Then follow numbers that all sizes share: an amplitude of each acting effect, and the
+numbers of every hypothesis, which are further smooth forces, small amounts and other forms of
+effects, and nuisances of each rig, such as the curve of an idle motor. A trial depends only on the
+numbers of its size and the shared ones: its columns are *local*. All are in units of their scale.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -32,11 +32,11 @@ class Layout:
     smooths : int
         Smooth forces of each size.
     candidates : int
-        Candidates, of which a hypothesis mixes its effects.
+        Candidates, from which a hypothesis combines its effects.
     shared : int
         Columns of every hypothesis that all sizes share.
     nuisances : tuple of int
-        Columns of each rig's own, in the order of the rigs.
+        Columns of nuisances, in the order of the rigs.
     """
 
     sizes: tuple[str, ...]
@@ -47,31 +47,31 @@ class Layout:
 
     @property
     def own(self) -> int:
-        """Columns that a size has to itself."""
+        """Number of columns of one size."""
         return COEFFICIENTS + self.smooths
 
     @property
     def always(self) -> int:
-        """Shared columns of every hypothesis."""
+        """Number of shared columns of every hypothesis."""
         return self.shared + sum(self.nuisances)
 
     @property
     def local(self) -> int:
-        """Columns of a trial: own, candidates, always."""
+        """Number of columns of a trial: own, candidates, always."""
         return self.own + self.candidates + self.always
 
     def nuisance(self, rig: int) -> slice:
-        """Local columns of a rig's own nuisances, by its place."""
+        """Local columns of the nuisances of the rig with this index."""
         start = self.own + self.candidates + self.shared + sum(self.nuisances[:rig])
         return slice(start, start + self.nuisances[rig])
 
     def mixed(self, mixing: Array) -> Array:
-        """Return what makes the columns of a hypothesis of the local ones, (local, k).
+        """Return the matrix from local columns to the columns of a hypothesis, (local, k).
 
         Parameters
         ----------
         mixing : ndarray, shape (candidates, effects)
-            Column of each effect that acts, as a mixture of candidates.
+            Column of each acting effect, as a combination of candidates.
         """
         acting = mixing.shape[1]
         mixed = np.zeros((self.local, self.own + acting + self.always))
@@ -81,49 +81,48 @@ class Layout:
         return mixed
 
     def spread(self, columns: int, size: int) -> Whole:
-        """Return where a size's columns of a hypothesis stand among the numbers of all sizes.
+        """Return the positions of a size's columns of a hypothesis among all numbers.
 
-        Those of the first size come first, then the next; what is shared comes last.
+        Sizes follow one another; shared numbers come last.
         """
         shared = np.arange(columns - self.own) + self.own * len(self.sizes)
         return np.concatenate([np.arange(self.own) + self.own * size, shared])
 
     def total(self, columns: int) -> int:
-        """Numbers in all, of the columns of a hypothesis."""
+        """Return the total number of numbers, given the columns of a hypothesis."""
         return self.own * (len(self.sizes) - 1) + columns
 
 
 @dataclass(frozen=True)
 class ModelColumns:
-    """What the columns of a model are, told to each rig alike.
+    """The specification of a model's columns, the same for all rigs.
 
     Parameters
     ----------
     layout : Layout
-        Where numbers stand.
+        Order of the numbers.
     own : sequence of Smooth
         Smooth forces of each size.
     candidates : sequence of Candidate
-        Effects.
+        Candidates of effects.
     shared : sequence of Smooth or Candidate
         Columns of every hypothesis.
     scales : ndarray, shape (q,)
-        What each local column is multiplied by.
+        Factor of each local column.
     friction_scale : mapping of str to float
         Unit of smooth forces of each size [N].
     scattering : sequence of (Candidate, float)
         Effects whose force scatters with friction, and errors of readings that differ from
         trial to trial, with their amplitudes.
     together : mapping of str to ndarray of int, shape (N,)
-        By rig: the set of trials with which each can be left out; none can of a rig that is not
-        in it.
+        By rig: the group of each trial; groups can be left out. Trials of rigs that are not in
+        it cannot be left out.
     priors : Priors
-        Of the noise.
+        Priors of the noise.
     scatter : Scatter
         Whether friction of trials or of assemblies is Student-t.
     row_weights : mapping of str to ndarray
-        By rig: by what the precision of each row's own error is multiplied; 1 of a rig that is
-        not in it.
+        By rig: factor of the precision of each row's own error; 1 for rigs that are not in it.
     """
 
     layout: Layout
@@ -150,13 +149,13 @@ class ModelColumns:
         Parameters
         ----------
         rig : str
-            Its name; smooth forces of other rigs do nothing to it.
+            Name of the rig; smooth forces of other rigs do not affect it.
         coefficients : ndarray, shape (N, 3)
-            What c1, c2 and c3 do to each row.
+            Derivatives of each row by c1, c2 and c3.
         smooth : callable
-            The (N, count) columns of a smooth force.
+            Function that returns the (N, count) columns of a smooth force.
         effect : callable
-            The (N,) column of an effect; what is unsupported does nothing.
+            Function that returns the (N,) column of an effect; unsupported effects have none.
 
         Returns
         -------

@@ -1,8 +1,8 @@
-"""What a rig offers to the linear (Gaussian) model of a diagnosis.
+"""The interface of a rig to the linear (Gaussian) model of a diagnosis.
 
-Trials are made linear around a reference law (:class:`LinearRows`); once the columns of the
-model are laid out they say, given the noise, what the data know of its numbers
-(:class:`LinearRig`). The model holds a tuple of these and asks none for its name.
+Trials are linearised around a reference law (:class:`LinearRows`). With the columns of the model
+(:class:`LinearRig`) they give, at given noise parameters, the information of the data on its
+numbers. The model contains a tuple of these and does not depend on which rigs they are.
 """
 
 from abc import ABC, abstractmethod
@@ -28,24 +28,24 @@ from bayesfric.observation.unsupported import Unsupported
 
 @dataclass(frozen=True)
 class Windows:
-    """Residual forces against the motion, windows of trials or one a run.
+    """Residual forces opposing the motion, in windows of trials, or one for each run.
 
     Parameters
     ----------
     row : ndarray of int, shape (R,)
         Trial or run of each window, ascending.
     residual_n : ndarray, shape (R,)
-        Measured less that of the reference law [N].
+        Measured minus predicted force of the reference law [N].
     columns : ndarray, shape (R, q)
-        What each local number adds [N].
+        Force of each local number at value 1 [N].
     covariance : tuple of ndarray
-        Of the measurement error of each trial's or run's windows [N²].
+        Covariance of the measurement error of each trial's or run's windows [N²].
     wander : tuple of ndarray
-        Of friction along the path of each trial, relative.
+        Relative covariance of the wander of friction along the path of each trial.
     covariates : mapping of str to ndarray, shape (R,)
-        Where each window lies.
+        Values of the covariates in each window.
     counts : ndarray, shape (R,), or None
-        How much each counts, 1 but for strays and for windows that overlap; None where all are 1.
+        Weight of each window: 1 except for strays and overlapping windows; None if all are 1.
     """
 
     row: Whole
@@ -58,28 +58,28 @@ class Windows:
 
     @property
     def variance(self) -> Array:
-        """Of each window's measurement error, shape (R,) [N²]."""
+        """Variance of each window's measurement error, shape (R,) [N²]."""
         return np.concatenate([np.diag(part) for part in self.covariance])
 
 
 @dataclass(frozen=True)
 class NoiseParameter:
-    """A positive number of the noise, which is climbed to in its logarithm.
+    """A positive noise parameter, which is optimised in its logarithm.
 
     Parameters
     ----------
     name : str
         Unique over all rigs.
     start : float
-        A rough value.
+        Starting value.
     bounds : (float, float)
-        Lowest and highest value that is looked at.
+        Lowest and highest value of the search.
     log_prior : callable
-        Of values, to the log density of their logarithms.
+        Function of values that returns the log density of their logarithms.
     usual : float
-        What a good rig has.
+        Value of a good rig.
     scatters : bool
-        Whether it is friction's own scatter, which an unseen force inflates.
+        Whether it is a scatter of friction, which an unmodelled force would inflate.
     """
 
     name: str
@@ -99,7 +99,7 @@ def noise_parameter(
     *,
     scatters: bool = False,
 ) -> NoiseParameter:
-    """Return a parameter of the noise with a prior of its value, not of its logarithm."""
+    """Return a noise parameter, given the prior of its value (not of its logarithm)."""
     return NoiseParameter(
         name, start, bounds, partial(log_prior_of_logarithm, prior), usual, scatters
     )
@@ -112,20 +112,20 @@ def log_prior_of_logarithm(prior: Prior, value: Array) -> Array:
 
 @dataclass(frozen=True)
 class Run:
-    """A trial that runs freely once its first events have set offset and speed.
+    """A simulated trial whose offset and speed come from its first events alone.
 
     Parameters
     ----------
     trial : int
-        Its place.
+        Index of the trial.
     off : ndarray, shape (A, E)
-        What each arm leaves of each later event [m].
+        Residual of each arm at each later event [m].
     error2, floor2 : float
-        Mean variance of the measurement, and mean square that friction's scatter makes [m²].
+        Mean variance of the measurement, and mean square by the scatter of friction [m²].
     columns2 : ndarray, shape (q, q)
-        Mean outer product of what the local numbers do to each later event [m²].
+        Mean outer product of the later events' derivatives by the local numbers [m²].
     time_s, measured_m, simulated_m : ndarray
-        Of one sensor, for a figure; `simulated_m` has a row an arm.
+        Data of one sensor for a figure; `simulated_m` has a row for each arm.
     """
 
     trial: int
@@ -140,17 +140,17 @@ class Run:
 
 @dataclass(frozen=True)
 class Evaluated:
-    """What a rig's data say at a noise.
+    """Information of a rig's data at given noise parameters.
 
     Parameters
     ----------
     information : Information
-        On the numbers of all sizes.
+        Information on the numbers of all sizes.
     gradient : callable
-        Of mean and covariance, given all data, of each size's local numbers, to the
-        derivatives of the log evidence by the logarithms of the noise, by name.
+        Function of the posterior mean and covariance of each size's local numbers that
+        returns the derivatives of the log evidence by log noise parameters, by name.
     deviations : callable or None
-        Of the same to what the data say of deviations that are Student-t; None without any.
+        Function of the same that returns the posterior of Student-t deviations; None without.
     """
 
     information: Information
@@ -159,42 +159,42 @@ class Evaluated:
 
 
 class LinearRows(ABC):
-    """Trials of one rig, linear around a reference law."""
+    """Trials of one rig, linearised around a reference law."""
 
     if TYPE_CHECKING:  # fields of some, and worked out by others
 
         @property
         def name(self) -> str:
-            """Of the rig."""
+            """Name of the rig."""
 
         @property
         def table(self) -> pd.DataFrame:
-            """One row a trial: ``trial``, ``setup``, ``pulley_size``, condition."""
+            """One row for each trial: ``trial``, ``setup``, ``pulley_size``, condition."""
 
         @property
         def loads(self) -> tuple[str, ...]:
-            """Columns that, with size, number and wrap angle, make a condition."""
+            """Columns that define a condition, together with size, number and wrap angle."""
 
         @property
         def friction_n(self) -> Array:
-            """By the reference law, shape (N,) [N]."""
+            """Friction of the reference law, shape (N,) [N]."""
 
         @property
         def state(self) -> State:
-            """Where every trial is along its path."""
+            """State of every trial along its path."""
 
         @property
         def trial_axes(self) -> tuple[str, ...]:
-            """Covariates that only this rig has, along which there are smooth forces."""
+            """Covariates of this rig alone with smooth forces along them."""
 
     @property
     def scattering_axes(self) -> tuple[str, ...]:
-        """Those along which friction's scatter may go as a small smooth force does."""
+        """Axes along which scatter of friction can look like a small smooth force."""
         return ()
 
     @property
     def clock_nuisances(self) -> tuple[int, ...]:
-        """Places of nuisances that are errors of clocks: no law takes up a force by them."""
+        """Indices of nuisances that are errors of clocks; a recalibrated law excludes them."""
         return ()
 
     @abstractmethod
@@ -203,14 +203,14 @@ class LinearRows(ABC):
 
     @abstractmethod
     def where(self, acts_on: ActsOn) -> Any:
-        """Return the places of a law that acts on something, or Unsupported."""
+        """Return the states at which a law that acts so is evaluated, or Unsupported."""
 
     @abstractmethod
     def relative_force(self, candidate: Candidate) -> Array | Unsupported:
-        """Return what amplitude 1 adds to friction as a share of it, (C, N, P)."""
+        """Return the force of amplitude 1 relative to friction, (C, N, P)."""
 
     def size_of(self, candidate: Candidate) -> float:
-        """Return the rms of what amplitude 1 does: a share of friction, of a reading in metres."""
+        """Return the rms response to amplitude 1: relative to friction, or a reading in metres."""
         force = self.relative_force(candidate)
         return 0.0 if isinstance(force, Unsupported) else float(np.sqrt((force**2).mean()))
 
@@ -219,36 +219,36 @@ class LinearRows(ABC):
         return ()
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
-        """Return the prior standard deviations of numbers that are the rig's own."""
+        """Return the prior standard deviations of the rig's nuisances."""
         del priors
         return ()
 
     @abstractmethod
     def laid_out(self, model: ModelColumns, place: int) -> "LinearRig":
-        """Return the rig with the columns of a model, at its place among all."""
+        """Return the rig with the columns of a model; `place` is its index among the rigs."""
 
 
 class LinearRig(ABC):
     """The trials of a rig as information on the numbers of a hypothesis.
 
-    A rig says what its rows tell at a noise; how sizes share numbers, and what most rigs have
-    none of, is the same for all.
+    A subclass defines the information of its rows at given noise parameters. The order of numbers
+    and defaults for properties that few rigs have are defined here.
 
     Parameters
     ----------
     rows : LinearRows
-        N trials, linear around a reference law.
+        N trials, linearised around a reference law.
     model : ModelColumns
-        What is made of them.
+        Specification of the columns.
 
     Attributes
     ----------
     layout : Layout
-        Where numbers stand.
+        Order of the numbers.
     size, setup : ndarray of int, shape (N,)
-        Place of each trial's pulley size, and its assembly.
+        Index of each trial's pulley size, and of its assembly.
     noise : tuple of NoiseParameter
-        Its noise parameters, by name.
+        Noise parameters of the rig.
     """
 
     rows: LinearRows
@@ -274,18 +274,18 @@ class LinearRig(ABC):
         Parameters
         ----------
         noise : mapping of str to float
-            Of :attr:`noise`.
+            Values of :attr:`noise` by name.
         mixing : ndarray, shape (candidates, k)
-            Column of each effect that acts, as a mixture of candidates.
+            Column of each acting effect, as a combination of candidates.
         phases : sequence of (int, float, str)
-            Candidates with phases that act, their amplitudes and what these are called.
+            Acting candidates with phases, their amplitudes, and the names of these.
         used : ndarray of bool, shape (N,), or None
-            Trials that enter; None is all.
+            Trials that are used; None is all.
         """
 
     @abstractmethod
     def squeezed(self, squeeze: Array, layout: Layout) -> Self:
-        """Return the rig with mixtures of its columns in their place."""
+        """Return the rig with combinations of its columns instead of them."""
 
     @abstractmethod
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
@@ -300,24 +300,24 @@ class LinearRig(ABC):
         """Return residual forces in windows."""
 
     def phase_strength(self, place: int) -> float:
-        """Return the squared signal over noise of phases at unit amplitude: here none shows."""
+        """Return the squared signal-to-noise ratio of phases at unit amplitude; 0 by default."""
         del place
         return 0.0
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
-        """Return trials that run freely from their first events: none where nothing runs."""
+        """Return free-running trials by index; none by default."""
         del noise, numbers
         return {}
 
     def joined(self, of_sizes: Iterable[tuple[int, Array, Array]], constant: float) -> Information:
-        """Return what trials of all sizes say of the numbers of all sizes.
+        """Return the information on the numbers of all sizes, from that of each size.
 
         Parameters
         ----------
         of_sizes : iterable of (int, ndarray, ndarray)
-            Place of a size, and precision (k, k) and slope (k,) of its local numbers.
+            Index of a size, and precision (k, k) and slope (k,) of its local numbers.
         constant : float
-            Of all sizes.
+            Constant of the log density of all sizes.
         """
         parts = list(of_sizes)
         width = len(parts[0][2])
@@ -334,19 +334,19 @@ _AnyRig = TypeVar("_AnyRig", bound=LinearRig)
 
 
 def heavy_scatter(rig: LinearRig) -> HeavyScatter | None:
-    """Return the weights of a rig's Student-t deviations; None where all are normal."""
+    """Return the weights of a rig's Student-t deviations; None if all are normal."""
     return rig._heavy
 
 
 def with_heavy_scatter(rig: _AnyRig, heavy: HeavyScatter | None) -> _AnyRig:
-    """Return a rig whose Student-t deviations have other weights."""
+    """Return a rig with other weights of its Student-t deviations."""
     weighted = copy(rig)
     weighted._heavy = heavy
     return weighted
 
 
 def rank(trials: pd.DataFrame) -> Array:
-    """Return each row's place in the order of the recording, 0 to 1, shape (N,)."""
+    """Return the position of each row in the order of the recording, 0 to 1, shape (N,)."""
     if "order" not in trials or trials["order"].isna().any() or len(trials) < 2:
         return np.full(len(trials), 0.5)
     return np.asarray((trials["order"].rank().to_numpy(dtype=np.float64) - 1) / (len(trials) - 1))

@@ -1,4 +1,4 @@
-"""Rows of a rig laid out: columns of the numbers of a hypothesis, and what scatters."""
+"""Columns of the numbers of a hypothesis, and of the scatter, for the rows of a rig."""
 
 from abc import abstractmethod
 from copy import copy
@@ -16,25 +16,25 @@ from bayesfric.observation.unsupported import Unsupported
 
 
 class LaidRows(LinearRows):
-    """E rows of N trials around a reference law, of which columns can be made."""
+    """E rows of N trials, linearised around a reference law, with their columns."""
 
     unseen_phases: ClassVar[Unsupported]
     """Why effects whose phase nobody recorded are not seen."""
 
     @abstractmethod
     def coefficient_columns(self) -> Array:
-        """Return what c1, c2 and c3 add to each row, (E, 3)."""
+        """Return the derivatives of each row by c1, c2 and c3, (E, 3)."""
 
     @abstractmethod
     def smooth_columns(self, smooth: Smooth, force_n: Array) -> Array:
-        """Return what a smooth force adds, in units (N,) unless it is relative, (E, k)."""
+        """Return a smooth force's columns, (E, k), in units `force_n` (N,) unless relative."""
 
     @abstractmethod
     def added(self, acts_on: ActsOn, size: Array) -> Array:
-        """Return what a force, or what else an effect acts on, adds to each row, (E,)."""
+        """Return the change of each row by a force or another quantity, (E,)."""
 
     def candidate_column(self, candidate: Candidate) -> Array | Unsupported:
-        """Return what an effect of amplitude 1 adds to each row, (E,)."""
+        """Return the change of each row by an effect of amplitude 1, (E,)."""
         effect = candidate.effect
         where = self.where(effect.acts_on)
         if isinstance(where, Unsupported):
@@ -45,32 +45,32 @@ class LaidRows(LinearRows):
 
     @abstractmethod
     def nuisance_columns(self) -> Array:
-        """Return what the rig's own numbers add to each row, (E, K)."""
+        """Return the columns of the rig's nuisances, (E, K)."""
 
     @abstractmethod
     def scatter_column(self) -> Array:
-        """Return what a relative deviation of friction of 1 adds to each row, (E,)."""
+        """Return the change of each row by a relative deviation of friction of 1, (E,)."""
 
 
 class ColumnsPart(LinearRig):
-    """The same with the columns of the local numbers, (E, q), kept as they are."""
+    """A linear rig that stores the columns of its local numbers, (E, q)."""
 
     columns: Array
 
     def mixed(self, mixing: Array) -> Array:
-        """Return the columns of a hypothesis whose effects mix candidates, (E, k).
+        """Return the columns of a hypothesis, (E, k).
 
         Parameters
         ----------
         mixing : ndarray, shape (candidates, effects)
-            Column of each effect that acts.
+            Column of each acting effect, as a combination of candidates.
         """
         start, end = self.layout.own, self.layout.own + self.layout.candidates
         whole = self.columns
         return np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], 1)
 
     def squeezed(self, squeeze: Array, layout: Layout) -> Self:
-        """Return the rig with mixtures of its columns in their place."""
+        """Return the rig with combinations of its columns instead of them."""
         squeezed = copy(self)
         squeezed.layout, squeezed.columns = layout, self.columns @ squeeze
         return squeezed
@@ -84,9 +84,9 @@ def laid_columns(rows: LaidRows, model: ModelColumns, place: int) -> Array:
     rows : LaidRows
         E rows.
     model : ModelColumns
-        What is made of them.
+        Specification of the columns.
     place : int
-        Of the rig among all.
+        Index of the rig.
     """
     force = np.array([model.friction_scale[size] for size in rows.table["pulley_size"]])
     columns = model.filled(
@@ -101,7 +101,7 @@ def laid_columns(rows: LaidRows, model: ModelColumns, place: int) -> Array:
 
 
 def scattering_column(rows: LaidRows, model: ModelColumns) -> Array:
-    """Return what a deviation of 1 of friction, with the effects that act, adds, (E,)."""
+    """Return the change of rows by a deviation of 1 of friction and its effects, (E,)."""
     moved = rows.scatter_column()
     for candidate, amplitude in on_friction(model.scattering):
         column = rows.candidate_column(candidate)
@@ -111,5 +111,5 @@ def scattering_column(rows: LaidRows, model: ModelColumns) -> Array:
 
 
 def row_weights(rows: LaidRows, model: ModelColumns, count: int) -> Array:
-    """Return by what the precision of each row's own error is multiplied, (E,)."""
+    """Return the factor of the precision of each row's own error, (E,)."""
     return np.asarray(model.row_weights.get(rows.name, np.ones(count)), dtype=np.float64)

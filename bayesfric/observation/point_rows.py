@@ -1,7 +1,7 @@
-"""Trials that are one reading each, linear around a reference law.
+"""Trials of one reading each, linearised around a reference law.
 
-A reading is friction times a known factor, beside a curve that all readings share and that
-may be known from readings at rest.
+A reading is friction times a known factor, plus a curve that all readings share. Readings at rest
+may inform this curve.
 """
 
 from collections.abc import Callable, Mapping
@@ -28,49 +28,49 @@ AVERAGES = Unsupported("it goes round with the pulleys, which averages out in a 
 
 @dataclass(frozen=True)
 class PointRows(LaidRows):
-    """Trials of one reading each around a reference law.
+    """Trials of one reading each, linearised around a reference law.
 
     Parameters
     ----------
     name : str
-        Of the rig.
+        Name of the rig.
     table : DataFrame
         N trials, with ``trial``, ``setup`` and ``pulley_size``.
     loads : tuple of str
-        Columns that, with size, number and wrap angle, make a condition.
+        Columns that define a condition, together with size, number and wrap angle.
     state : State
-        Where each trial is, steadily.
+        Steady state of each trial.
     friction_n : ndarray, shape (N,)
-        By the reference law, against the motion [N].
+        Friction of the reference law, opposing the motion [N].
     feedback : ndarray, shape (N,)
-        By which a force is multiplied since it adds to the tension.
+        Factor of a force, because it increases the tension too.
     reading : ndarray, shape (N,)
-        Less that of the reference law, in any unit.
+        Measured minus predicted reading of the reference law, in any unit.
     per_newton : ndarray, shape (N,)
-        What a newton against the motion adds to a reading.
+        Change of a reading by 1 N that opposes the motion.
     errors : tuple of ndarray, shape (N,)
-        By what each error of the noise is multiplied in a reading.
+        Factor of each error of the noise in a reading.
     noise : callable
-        Of the priors to the noise parameters: scatter of a trial, of a load and of an
-        assembly; where there is an `intercept`, its scatter of a load and of an assembly;
-        then the errors.
+        Function of the priors that returns the noise parameters: scatter of a trial, of a load
+        and of an assembly; with an `intercept`, its scatter of a load and of an assembly; then
+        the errors.
     curve : ndarray, shape (N, K)
-        What numbers that all readings share add to them.
+        Columns of numbers that all readings share.
     still_curve, still : ndarray, shape (M, K) and (M,)
-        The same at rest, and what was read there; its error is the first.
+        Columns of the curve at rest, and the readings at rest; their error is the first one.
     curve_sd : callable
-        Of the priors to the prior standard deviations of these numbers.
+        Function of the priors that returns prior standard deviations of these numbers.
     direct : str or None
-        What an effect acts on that adds to the reading itself.
+        Value of `acts_on` for effects that add to the reading itself.
     known_error : ndarray, shape (N,), or float
-        Standard error of each reading that is stated, beside those of the noise.
+        Stated standard error of each reading, in addition to the noise.
     further : mapping of str to ndarray, shape (N,)
-        Covariates of the recording's own, by name.
+        Covariates of this recording, by name.
     intercept : ndarray, shape (N,), or None
-        What friction that does not grow with tension adds to a reading; None where it does
-        not scatter by itself.
+        Reading by the friction that does not grow with tension; None if it has no separate
+        scatter.
     lacks : frozenset of str
-        Coefficients that make no sense here, such as the slope where no load was recorded.
+        Coefficients that are not defined, such as the slope if no load was recorded.
     """
 
     unseen_phases = AVERAGES
@@ -97,11 +97,11 @@ class PointRows(LaidRows):
 
     @property
     def trial_axes(self) -> tuple[str, ...]:
-        """Covariates that only this rig has."""
+        """Covariates of this rig alone."""
         return tuple(self.further)
 
     def covariates(self) -> dict[str, Array]:
-        """Return where every trial is, arrays of shape (N,)."""
+        """Return the covariates of every trial, arrays of shape (N,)."""
         state, count = self.state, len(self.table)
         values = {
             "velocity": state.speed_m_s,
@@ -115,17 +115,17 @@ class PointRows(LaidRows):
         }
 
     def where(self, acts_on: ActsOn) -> Any:
-        """Return the places of a law, or Unsupported."""
+        """Return the states at which a law that acts so is evaluated, or Unsupported."""
         if acts_on == self.direct or acts_on in ("friction", "drive"):
             return self.state
         return NO_EVENTS if acts_on == "reading" else NO_MOTOR
 
     def readings(self, force_n: Array) -> Array:
-        """Return what a force against the motion adds to each reading, (…, N)."""
+        """Return the change of each reading by a force that opposes the motion, (…, N)."""
         return np.asarray(self.per_newton * self.feedback * force_n)
 
     def coefficient_columns(self) -> Array:
-        """Return what c1, c2 and c3 add to each reading, shape (N, 3)."""
+        """Return the derivatives of each reading by c1, c2 and c3, shape (N, 3)."""
         where = self.covariates()
         n, tension = where["n_pulleys"], where["tension"]
         turn = where["wrap_angle"] - REFERENCE_WRAP_ANGLE_DEG
@@ -133,25 +133,25 @@ class PointRows(LaidRows):
         return columns * [name not in self.lacks for name in Coefficients._fields]
 
     def smooth_columns(self, smooth: Smooth, force_n: Array) -> Array:
-        """Return what a smooth force adds to each reading, (N, k); `force_n` is its unit, (N,)."""
+        """Return the columns of a smooth force, (N, k); `force_n` is its unit, (N,)."""
         unit = self.friction_n if smooth.relative else force_n
         return self.readings(unit * smooth.columns(self.covariates())).T
 
     def nuisance_columns(self) -> Array:
-        """Return what numbers that all readings share add to them, (N, K)."""
+        """Return the columns of numbers that all readings share, (N, K)."""
         return self.curve
 
     def scatter_column(self) -> Array:
-        """Return the reading of a relative deviation of friction of 1, (N,)."""
+        """Return the change of each reading by a relative deviation of friction of 1, (N,)."""
         return np.asarray(self.per_newton * self.friction_n)
 
     def added(self, acts_on: ActsOn, size: Array) -> Array:
-        """Return what a force, or what adds to the reading itself, adds to each, (N,)."""
+        """Return the change of each reading by a force, or by an error of the reading, (N,)."""
         added = np.broadcast_to(size, (len(self.table),))
         return added if acts_on == self.direct else self.readings(added)
 
     def relative_force(self, candidate: Candidate) -> Array | Unsupported:
-        """Return what amplitude 1 adds to friction as a share of it, (1, N, 1)."""
+        """Return the force of amplitude 1 relative to friction, (1, N, 1)."""
         column = self.candidate_column(candidate)
         if isinstance(column, Unsupported):
             return column

@@ -1,8 +1,7 @@
-"""Rigs whose trials are one reading each, as information on the numbers of a hypothesis.
+"""Information on the numbers of a hypothesis, for rigs with one reading in each trial.
 
-Friction scatters from trial to trial, from one load to
-the next on the same assembly, and from assembly to assembly; the latter two are integrated
-out group by group.
+Friction scatters from trial to trial, from load to load on the same assembly, and from assembly to
+assembly. The latter two are integrated out group by group.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,15 +20,15 @@ from bayesfric.observation.shared_deviation import NestedDeviations, indicator, 
 
 
 class _WeightedReadings(NamedTuple):
-    """Readings that enter, weighted by the variance of their errors at a noise."""
+    """Used readings, weighted by the variance of their errors at given noise parameters."""
 
-    runs: Flags  # which of all trials enter
-    size: Whole  # place of the pulley size, (n,)
+    runs: Flags  # which of all trials are used
+    size: Whole  # index of the pulley size, (n,)
     x: Array  # columns of the numbers, (n, k)
-    y: Array  # readings less those of the reference law, (n,)
-    variance: Array  # of each reading given what it shares with others, (n,)
-    moved: Array  # what a deviation of the trial moves, (n,)
-    pulls: Array  # what shared deviations move, over the variance, (n, R)
+    y: Array  # readings minus those of the reference law, (n,)
+    variance: Array  # of each reading given shared deviations, (n,)
+    moved: Array  # change of the reading by a deviation of the trial, (n,)
+    pulls: Array  # change by shared deviations, over the variance, (n, R)
     weighted: Array  # x over the variance, (n, k)
     nested: NestedDeviations
 
@@ -40,16 +39,16 @@ class PointPart(ColumnsPart):
     Parameters
     ----------
     rows : LinearReadings
-        The readings, linear around the reference law.
+        The readings, linearised around the reference law.
     model : ModelColumns
-        What is made of them; trials are kept one by one, whether or not any is left out.
+        Specification of the columns; any trial can be left out.
     place : int
-        Of the rig among all.
+        Index of the rig.
 
     Attributes
     ----------
     columns : ndarray, shape (N, q)
-        Of the local numbers, in the unit of the readings.
+        Columns of the local numbers, in the unit of the readings.
     """
 
     rows: "LinearReadings"
@@ -70,7 +69,7 @@ class PointPart(ColumnsPart):
         self._mine = slice(mine.start - model.layout.local, mine.stop - model.layout.local or None)
         self._still = rows.still_curve * model.scales[mine]
         self._moved = scattering_column(rows, model)
-        # Deviations of a load and of an assembly move friction, and its intercept alone.
+        # A load and an assembly each have a deviation of friction and one of its intercept alone.
         shared_moves = [self._moved] if rows.intercept is None else [self._moved, rows.intercept]
         self._shared = np.stack(shared_moves, axis=1)
         self.noise = rows.noise(model.priors)
@@ -87,7 +86,7 @@ class PointPart(ColumnsPart):
         phases: Sequence[tuple[int, float, str]] = (),
         used: Flags | None = None,
     ) -> Evaluated:
-        """Return what the readings say; those at rest always enter, and no phases show."""
+        """Return the information of the readings; those at rest are always used, phases never."""
         rows = self._weighted(noise, mixing, used)
         of_sizes = []
         for which in range(len(self.layout.sizes)):
@@ -104,7 +103,7 @@ class PointPart(ColumnsPart):
             sigma = noise[self._errors[0]]
             constant -= 0.5 * (LOG_2PI + 2 * np.log(sigma) + (at_rest / sigma) ** 2).sum()
         information = self.joined(of_sizes, float(constant))
-        if at_rest.size:  # all sizes share the curve, whose numbers are the last ones alike
+        if at_rest.size:  # all sizes share the curve, whose numbers are the last ones of each
             information.precision[curve, curve] += still.T @ still / sigma**2
             information.slope[curve] += still.T @ at_rest / sigma**2
         return Evaluated(information, partial(self._gradient, noise, rows))
@@ -112,10 +111,10 @@ class PointPart(ColumnsPart):
     def _weighted(
         self, noise: Mapping[str, float], mixing: Array, used: Flags | None
     ) -> _WeightedReadings:
-        """Return the readings that enter, weighted by their variance at a noise."""
+        """Return the used readings, weighted by their variance."""
         runs = np.ones(len(self.setup), dtype=bool) if used is None else used
         x = self.mixed(mixing)[runs]
-        # A row whose own error has a weight is one of weight 1, times the weight's root.
+        # A row with a weight of its error equals a row of weight 1 times the weight's root.
         root = np.sqrt(self._weight[runs])
         x = root[:, None] * x
         y, moved = root * self.rows.reading[runs], self._moved[runs]
@@ -145,7 +144,7 @@ class PointPart(ColumnsPart):
         mean: Sequence[Array],
         covariance: Sequence[Array],
     ) -> dict[str, float]:
-        """Return derivatives of the log evidence by the logarithms of the noise."""
+        """Return derivatives of the log evidence by the log noise parameters."""
         by_name: dict[str, float] = {}
         nested, pulls, variance = rows.nested, rows.pulls, rows.variance
         for names, (columns, response, own), of_size in (
@@ -204,7 +203,7 @@ class PointPart(ColumnsPart):
         return np.stack([apart, part**2 @ np.array(variance)], axis=1)
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
-        """Return one residual force a trial; its columns hold the shared curve too."""
+        """Return one residual force for each trial; columns include the shared curve."""
         newton, variance = 1 / self.rows.per_newton, self._error2(noise)
         nowhere = np.full(len(self.setup), np.nan)
         axes = ("displacement", "acceleration", "drive_end", "trial_in_setup")
@@ -222,7 +221,7 @@ class PointPart(ColumnsPart):
 
 
 class LinearReadings(PointRows):
-    """Trials of one reading each, with which a diagnosis can be made."""
+    """Trials of one reading each that can be diagnosed."""
 
     def laid_out(self, model: ModelColumns, place: int) -> PointPart:
         """Return the rig with the columns of a model."""

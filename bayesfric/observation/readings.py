@@ -1,12 +1,12 @@
-"""Rigs that read friction itself, one reading a trial: both engines follow from its mean.
+"""Both engines for rigs that measure friction itself, with one reading in each trial.
 
 Reading j of assembly i is
 
     F = f (1 + η_i + ε_ij) + noise,
 
-f being the law's friction and that of effects, η and ε normal, and the noise normal with the
-standard error that was recorded or, where there is none, σ_F. Where no two trials share an
-assembly there is no η.
+where f is the friction of the law and of effects, η and ε are normal, and the noise is normal with
+the recorded standard error or, if there is none, with σ_F. If no two trials share an assembly,
+there is no η.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -35,9 +35,9 @@ from bayesfric.physics.laws import FrictionLaw
 
 CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
 SIGMA = "sigma_friction"
-SCATTER = (1e-4, 1.0)  # looked at
-NEVER = HalfNormal(scale=2e-4)  # of what trials would share, where none share anything
-SHARE = 0.05  # of the machine's friction, the scale of an error that nobody states
+SCATTER = (1e-4, 1.0)  # range of the search for relative scatter
+NEVER = HalfNormal(scale=2e-4)  # prior of the shared scatter if no trials share an assembly
+SHARE = 0.05  # prior scale of an unstated error, relative to the machine's friction
 
 
 @dataclass(frozen=True)
@@ -47,28 +47,29 @@ class Readings:
     Parameters
     ----------
     name : str
-        Of the rig, behind those of its scatter.
+        Name of the rig; names of its scatter end with it.
     table : DataFrame
-        One row a trial: ``trial``, ``setup``, ``pulley_size``, ``n_pulleys``,
-        ``wrap_angle_deg``, ``tension_n`` and ``friction_n`` [N], those of an assembly adjacent.
+        One row for each trial: ``trial``, ``setup``, ``pulley_size``, ``n_pulleys``,
+        ``wrap_angle_deg``, ``tension_n`` and ``friction_n`` [N]. Rows of an assembly are
+        adjacent.
     loads : tuple of str
-        Columns that, with size, number and wrap angle, make a condition.
+        Columns that define a condition, together with size, number and wrap angle.
     law : FrictionLaw
         The friction law.
     where : callable
-        Of the coefficients of each trial, shape (…, N), to where the trials are.
+        Function of the coefficients of each trial, shape (…, N), that returns their states.
     known_sd : ndarray, shape (N,)
-        Standard error of each reading, NaN where nobody states it [N].
+        Stated standard error of each reading; NaN if there is none [N].
     friction_scale : float
-        How large the machine's friction is, by which errors are judged that nobody states [N].
+        Size of the machine's friction, from which the prior of unstated errors follows [N].
     without : frozenset of str
-        Coefficients that make no sense here, such as the slope where no load was recorded.
+        Coefficients that are not defined, such as the slope if no load was recorded.
     shared : bool
         Whether trials share assemblies.
     unit : str
-        Of friction.
+        Unit of friction.
     further : mapping of str to ndarray, shape (N,)
-        Covariates of the recording's own along which there are smooth forces.
+        Covariates of this recording with smooth forces along them.
     """
 
     name: str
@@ -91,24 +92,24 @@ class Readings:
 
     @cached_property
     def friction_n(self) -> Array:
-        """As read, shape (N,) [N]."""
+        """Measured friction, shape (N,) [N]."""
         return self.table["friction_n"].to_numpy(dtype=np.float64)
 
     @property
     def scatter_names(self) -> tuple[str, str]:
-        """Of the scatter of a trial and of an assembly."""
+        """Names of the scatter of a trial and of an assembly."""
         return f"tau_{self.name}", f"omega_{self.name}"
 
     def mean(self, law: Coefficients) -> Array:
-        """Return friction by the law alone, of the shape of its coefficients [N]."""
+        """Return friction by the law alone, in the shape of its coefficients [N]."""
         return np.asarray(self.law.at_tension(law, *self.condition), dtype=np.float64)
 
     def error_prior(self, priors: Priors) -> Prior:
-        """Return the prior of the error of a reading without one."""
+        """Return the prior of the error of readings without a stated one."""
         return priors.sigma_friction or HalfNormal(scale=SHARE * self.friction_scale)
 
     def linear(self, laws: Mapping[str, Coefficients]) -> LinearReadings:
-        """Return the readings around a reference law of each pulley size."""
+        """Return the readings, linearised around a reference law of each pulley size."""
         law, ones = law_of_rows(laws, self.table["pulley_size"]), np.ones(len(self.table))
         friction = self.mean(law)
         return LinearReadings(
@@ -149,11 +150,11 @@ class ReadingsModel(ExactModel):
     Parameters
     ----------
     readings : Readings
-        N of them.
+        N readings.
     analysis : Analysis
         Priors.
     effects : sequence of ActiveEffect
-        What acts beside the law, all of it supported.
+        Acting effects, all supported by the rig.
     """
 
     def __init__(
@@ -186,7 +187,7 @@ class ReadingsModel(ExactModel):
         return friction
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
-        """Return the readings: each shows its friction itself."""
+        """Return the readings as measures of friction."""
         law = self.law(theta)
         error = np.broadcast_to(self._error(theta), law.shape)
         return Shown(self._readings.friction_n - law, error**2, law)
@@ -199,12 +200,12 @@ class ReadingsModel(ExactModel):
         return np.where(np.isnan(known_sd), theta[SIGMA][:, None], known_sd)
 
     def read(self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator) -> Array:
-        """Draw readings of friction that deviates so from the law, (…, W, N) [N]."""
+        """Draw readings, given relative deviations of friction from the law, (…, W, N) [N]."""
         noise = self._error(theta) * rng.standard_normal(deviation.shape)
         return np.asarray(self.law(theta) * (1 + deviation) + noise)
 
     def start(self) -> dict[str, float]:
-        """Return rough estimates by least squares, a place to climb from."""
+        """Return starting values by least squares."""
         reading = self._readings.friction_n
         rough = self._size.rough_coefficients(*self._readings.condition, reading, self._without)
         rms = float(np.sqrt((reading**2).mean()))

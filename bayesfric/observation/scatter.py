@@ -1,4 +1,4 @@
-"""How friction deviates from the law: the levels of its scatter, with names and priors."""
+"""The levels of the scatter of friction around the law, with names and priors."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -12,26 +12,26 @@ from bayesfric.inference.grouped_normal import Groups
 from bayesfric.inference.priors import Parameter
 from bayesfric.observation.coefficients import SizeIndex
 
-START = 0.02  # of friction, a place to climb from
+START = 0.02  # starting value, relative to friction
 
 
-def kept_normal(asked: Scatter, rig: str, followed: Collection[str]) -> tuple[str, ...]:
-    """Return, in sentences, the levels that are normal on a rig although Student-t was asked for.
+def kept_normal(asked: Scatter, rig: str, heavy_levels: Collection[str]) -> tuple[str, ...]:
+    """Return sentences on levels that are normal on a rig although the user set Student-t.
 
     Parameters
     ----------
     asked : Scatter
-        Of the analysis.
+        Settings of the analysis.
     rig : str
-        What the rig is called.
-    followed : collection of str
-        Levels that are Student-t there, ``trial`` or ``assembly``.
+        Name of the rig in sentences.
+    heavy_levels : collection of str
+        Levels that are Student-t on this rig, ``trial`` or ``assembly``.
     """
     return tuple(
         f"Scatter of {levels} is normal on the {rig}, whose densities have no other: "
         f'scatter.{level} = "student-t" changes nothing there.'
         for level, levels in (("trial", "trials"), ("assembly", "assemblies"))
-        if getattr(asked, level) == "student-t" and level not in followed
+        if getattr(asked, level) == "student-t" and level not in heavy_levels
     )
 
 
@@ -42,10 +42,9 @@ class ScatterLevels:
     Parameters
     ----------
     names : tuple of str
-        Of τ, ω and ω of the intercept, in that order; a level that the rig lacks is left out
-        from the end.
+        Names of τ, ω and ω of the intercept, in this order; a rig may lack the last ones.
     priors : tuple of Prior
-        Of each.
+        Prior of each.
     size : SizeIndex
         Pulley size of each of N trials.
     settings : Scatter or None
@@ -60,7 +59,7 @@ class ScatterLevels:
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """One a level, or one a level and size."""
+        """One parameter for each level, or for each level and size."""
         ends = [f"[{size}]" for size in self.size.sizes] if self._by_size else [""]
         return tuple(
             Parameter(f"{name}{end}", "1", prior, "scatter", power=0.5)
@@ -80,12 +79,12 @@ class ScatterLevels:
 
     @property
     def trial_freedom(self) -> float | None:
-        """Degrees of freedom of a trial's deviation; None where it is normal."""
+        """Degrees of freedom of a trial's deviation; None if it is normal."""
         return self._freedom("trial")
 
     @property
     def group_freedom(self) -> float | None:
-        """Degrees of freedom of a group's deviations; None where they are normal."""
+        """Degrees of freedom of a group's deviations; None if they are normal."""
         return self._freedom("assembly")
 
     def _freedom(self, level: str) -> float | None:
@@ -101,7 +100,7 @@ class ScatterLevels:
         return [theta[name][:, None] for name in self.names]
 
     def start(self) -> dict[str, float]:
-        """Return rough values, a place to climb from."""
+        """Return starting values."""
         return {parameter.name: START for parameter in self.parameters}
 
     def draw(
@@ -136,7 +135,7 @@ class ScatterLevels:
         count = trials if groups is None else groups.starts.size
         drawn = rng.standard_normal((len(shared), shape[0], count))
         if (freedom := self.group_freedom) is not None:
-            # One scale for all numbers of a group: they are far out together.
+            # One scale for all numbers of a group: they are outliers together.
             drawn = drawn * np.sqrt(freedom / rng.chisquare(freedom, drawn.shape[1:]))
         if groups is not None:
             drawn = drawn[..., groups.of_each]

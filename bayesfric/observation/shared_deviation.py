@@ -1,4 +1,4 @@
-"""Deviations that rows share, integrated out in closed form: of a group, and of its assembly."""
+"""Integrates deviations that rows of a group, and of its assembly, share, in closed form."""
 
 import math
 from collections.abc import Sequence
@@ -14,24 +14,23 @@ from bayesfric.inference.symmetric import inverted
 
 @dataclass(frozen=True)
 class SharedDeviation:
-    """R deviations that rows of a group share, integrated out.
+    """R deviations that the rows of a group share, integrated out.
 
-    A row i moves by ``u_i`` (R,) times the deviations of its group, which are independent and
+    Row i changes by ``u_i`` (R,) times the deviations of its group, which are independent and
     normal. Sums are over the rows of a group, weighted by their precision.
 
     Parameters
     ----------
     columns : ndarray, shape (G, R, k)
-        Of ``u_i x_iᵀ``, with the columns x of the numbers.
+        Sums of ``u_i x_iᵀ``, with the columns x of the numbers.
     response : ndarray, shape (G, R)
-        Of ``u_i y_i``, with the response y.
+        Sums of ``u_i y_i``, with the response y.
     stiffness : ndarray, shape (G, R, R)
-        Of ``u_i u_iᵀ``.
+        Sums of ``u_i u_iᵀ``.
     taken : ndarray, shape (G, R, R)
-        Posterior covariance of the deviations, the numbers known.
+        Posterior covariance of the deviations, given the numbers.
     pulled, log_determinant : float
-        By what the square of the responses is less, and the log determinant of their covariance
-        more.
+        Decrease of the squared response, and increase of the log determinant of its covariance.
     """
 
     columns: Array
@@ -45,24 +44,24 @@ class SharedDeviation:
     def of(
         cls, columns: Array, response: Array, stiffness: Array, sd: ArrayLike
     ) -> "SharedDeviation":
-        """Integrate deviations of these standard deviations, (R,) or (G, R), out."""
+        """Integrate out deviations with standard deviations `sd`, (R,) or (G, R)."""
         taken, log_determinant = taken_up(stiffness, sd)
         pulled = float((response * (taken @ response[:, :, None])[:, :, 0]).sum())
         return cls(columns, response, stiffness, taken, pulled, float(log_determinant.sum()))
 
     @property
     def constant(self) -> float:
-        """What the log density is more."""
+        """Increase of the log density."""
         return 0.5 * (self.pulled - self.log_determinant)
 
     def left(self, sums: Array) -> Array:
-        """Return sums of groups, (G, R, …), without what their deviations take up."""
-        rest = math.prod(sums.shape[2:])  # -1 would be any number where no group is left
+        """Return sums of groups, (G, R, …), minus the part that their deviations absorb."""
+        rest = math.prod(sums.shape[2:])  # -1 would be ambiguous without groups
         lost = self.stiffness @ (self.taken @ sums.reshape(*sums.shape[:2], rest))
         return np.asarray(sums - lost.reshape(sums.shape))
 
     def taken_by(self, groups: Flags) -> tuple[Array, Array]:
-        """Return what some groups' deviations take from precision, (k, k), and slope, (k,)."""
+        """Return what some groups' deviations subtract from precision, (k, k), and slope, (k,)."""
         columns = self.columns[groups]
         shares = self.taken[groups] @ columns
         flat = shares.reshape(-1, columns.shape[2])
@@ -74,12 +73,12 @@ class SharedDeviation:
 
 @dataclass(frozen=True)
 class NestedDeviations:
-    """Deviations of groups of rows, and of assemblies of groups, that move rows alike.
+    """Deviations of groups of rows, and of assemblies of groups, with the same effect on rows.
 
     Parameters
     ----------
     group, setup : SharedDeviation
-        Of the G groups, then of the J assemblies, what the groups' take up taken off.
+        Deviations of the G groups, then those of the J assemblies after them.
     setup_of : ndarray of int, shape (G,)
         Assembly of each group.
     """
@@ -99,17 +98,17 @@ class NestedDeviations:
         by_setup: csr_array,
         sd: tuple[Sequence[float], Sequence[float]],
     ) -> "NestedDeviations":
-        """Integrate the deviations of groups out, then those of assemblies.
+        """Integrate out the deviations of groups, then those of assemblies.
 
         Parameters
         ----------
         moved : ndarray, shape (N, R)
-            By what each deviation of 1 moves a row.
+            Change of a row by each deviation of 1.
         pulls, columns, response : ndarray, shape (N, R), (N, k) and (N,)
-            The same, the columns of the numbers and what was observed, each multiplied by
-            the precision of the rows' own errors.
+            `moved`, the columns of the numbers, and the observations, each multiplied by the
+            precision of the rows' own errors.
         by_group, by_setup : sparse arrays, shape (G, N) and (J, G)
-            Which rows are a group's, and which groups an assembly's, as of :func:`indicator`.
+            Membership of rows in groups, and of groups in assemblies, from :func:`indicator`.
         sd : pair of sequences of float, (R,) each
             Standard deviations of a group's and of an assembly's deviations.
         """
@@ -134,17 +133,17 @@ class NestedDeviations:
         return self.group.constant + self.setup.constant
 
     def taken_by(self, groups: Flags, setups: Flags) -> tuple[Array, Array]:
-        """Return what is taken from precision, (k, k), and slope, (k,), by some of them."""
+        """Return what some of them subtract from precision, (k, k), and slope, (k,)."""
         first, second = self.group.taken_by(groups), self.setup.taken_by(setups)
         return first[0] + second[0], first[1] + second[1]
 
     def of_groups(self) -> tuple[Array, Array, Array]:
-        """Return sums over each group's rows that all deviations are taken off.
+        """Return sums over each group's rows, minus the part that all deviations absorb.
 
         Returns
         -------
         columns, response, own : ndarray, shape (G, R, k), (G, R) and (G, R)
-            As :func:`second_moments` takes them, of each of a group's deviations.
+            Input of :func:`second_moments`, for each deviation of a group.
         """
         group, setup = self.group, self.setup
         along = group.left(group.stiffness)
@@ -162,7 +161,7 @@ class NestedDeviations:
         return setup.left(setup.columns), setup.left(setup.response), own
 
     def of_rows(self) -> tuple[Array, Array, Array]:
-        """Return the parts of a row that the deviations take up, over its ``pulls``.
+        """Return the parts of a row that the deviations absorb, over its ``pulls``.
 
         Returns
         -------
@@ -181,21 +180,21 @@ class NestedDeviations:
 
 
 def taken_up(gram: Array, sd: ArrayLike, sign: ArrayLike = 1.0) -> tuple[Array, Array]:
-    """Return what deviations that are integrated out take up of their sums.
+    """Return the posterior covariance and log determinant of integrated deviations.
 
     Parameters
     ----------
     gram : ndarray, shape (…, R, R)
         Products of the columns of R deviations, weighted by the precision of the rows.
     sd : array_like, shape (R,) or (…, R)
-        Their standard deviations.
+        Standard deviations of the deviations.
     sign : array_like, shape (R,), or float
-        −1 of one that takes its variance away from what others have more.
+        −1 for a deviation whose variance is subtracted, else 1.
 
     Returns
     -------
     taken : ndarray, shape (…, R, R)
-        (D⁻¹ + G)⁻¹, their covariance with all else known.
+        (D⁻¹ + G)⁻¹, their covariance given everything else.
     log_determinant : ndarray, shape (…)
         log |1 + D G|.
     """
@@ -207,16 +206,16 @@ def taken_up(gram: Array, sd: ArrayLike, sign: ArrayLike = 1.0) -> tuple[Array, 
 
 
 def squares_left(columns: Array, response: Array, mean: Array, covariance: Array) -> Array:
-    """Return the mean squares of responses less columns, (…), of numbers that are uncertain.
+    """Return the posterior mean of squared residuals, (…), with uncertain numbers.
 
     Parameters
     ----------
     columns : ndarray, shape (…, k)
-        Of k numbers.
+        Columns of k numbers.
     response : ndarray, shape (…)
-        From which they are taken.
+        Observed responses.
     mean, covariance : ndarray, shape (k,) and (k, k)
-        Of the numbers.
+        Posterior moments of the numbers.
     """
     flat = columns.reshape(-1, columns.shape[-1])
     spread = np.einsum("ij,ij->i", flat @ covariance, flat)
@@ -225,7 +224,7 @@ def squares_left(columns: Array, response: Array, mean: Array, covariance: Array
 
 
 def indicator(codes: Whole, count: int) -> csr_array:
-    """Return which of N rows belongs to which of `count` groups, (count, N)."""
+    """Return the membership of N rows in `count` groups, (count, N)."""
     ones = np.ones(codes.size)
     return csr_array((ones, (codes, np.arange(codes.size))), shape=(count, codes.size))
 

@@ -1,4 +1,4 @@
-"""What a rig cannot show, and why."""
+"""Marks an effect that a rig cannot show, with the reason."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from bayesfric.arrays import Array
 
 @dataclass(frozen=True)
 class Unsupported:
-    """Something that a rig cannot show, with the reason that a reader is given.
+    """Something that a rig cannot show, with the reason for the reader.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ class Unsupported:
 
 
 def why_inert(response: Array) -> Unsupported | None:
-    """Return why an effect with this response would not move a likelihood; None where it does."""
+    """Return why an effect with this response cannot change a likelihood; None if it can."""
     if not np.isfinite(response).all():
         return Unsupported(
             "This recording lacks a column that it needs: the order of the trials, the radius of "

@@ -22,7 +22,7 @@ class AppliedEffect:
     Parameters
     ----------
     effect : Effect
-        What acts.
+        The effect.
     law : str
         Name of the variant.
     values : mapping of str to float
@@ -61,7 +61,7 @@ class Truth:
     tau, omega : float
         Relative friction scatter of a trial and of an assembly.
     omega_intercept : float
-        Relative scatter of c2 from assembly to assembly, beside that of all friction.
+        Relative scatter of c2 between assemblies, in addition to that of all friction.
     wander : float
         Relative rms of friction that wanders along the travel of each trial.
     wander_length : float
@@ -85,7 +85,7 @@ class Truth:
     load_noise : float
         Noise of a current per load current.
     effects : sequence of AppliedEffect
-        What acts beside the law.
+        Acting effects.
     assembly_freedom : float
         Degrees of freedom of the Student-t by which assemblies of the gravity board scatter;
         0 is normal.
@@ -111,7 +111,7 @@ class Truth:
     assembly_freedom: float = 0.0
 
     def as_json(self) -> dict[str, Any]:
-        """Return the values as plain JSON types, without levels that are not there."""
+        """Return the values as plain JSON types, without absent levels of scatter."""
         unused = [name for name in OPTIONAL if not getattr(self, name)]
         unused += ["wander_length"] if not self.wander else []
         coefficients = {

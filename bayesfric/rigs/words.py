@@ -1,4 +1,4 @@
-"""What a rig is called in sentences."""
+"""Names of a rig and its parts in sentences."""
 
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -9,14 +9,14 @@ Regime = Literal["accelerated", "steady"]
 
 @dataclass(frozen=True)
 class Words:
-    """What a rig and its parts are called in sentences.
+    """Names of a rig and its parts in sentences.
 
     Parameters
     ----------
     rig : str
         As in ``gravity board``.
     trial, trials : str
-        One of its measurements, and several.
+        Singular and plural of its measurements.
     law : str
         What its law and its likelihood are, in sentences; nothing where they are the paper's.
     group, groups : str
@@ -26,7 +26,7 @@ class Words:
     paper : bool
         Whether it is one of the paper's own, which its protocols are for.
     thresholds : dataclass or None
-        By which its log is read, where there are some;
+        Thresholds for reading its log, if there are any;
         :func:`bayesfric.rules.rules_of` lists them.
     """
 

@@ -11,7 +11,7 @@ from scipy.stats import t as student
 
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.acting import Acting
-from bayesfric.diagnosis.checking import not_followed
+from bayesfric.diagnosis.checking import ignored_scatter_settings
 from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.observation.heavy_scatter import Deviations, HeavyScatter
@@ -130,7 +130,7 @@ def test_a_rig_whose_scatter_stays_normal_says_so():
     analysis = Analysis(scatter={"trial": "student-t", "by_size": True})
     data = data_of(simulate_recording(FEW, seed=3, rigs=("gravity", "motor")))
     model = LinearModel(data, table1_coefficients(), (), analysis, discrepancy=False)
-    line, sizes = not_followed(analysis, model)
+    line, sizes = ignored_scatter_settings(analysis, model)
     assert "on the motor board" in line
     assert 'scatter.trial = "student-t"' in line
     assert "scatter.by_size" in sizes

@@ -122,7 +122,7 @@ def test_the_cause_that_held_out_data_ask_for_least_is_the_one_in_doubt(told, we
 
     monkeypatch.setattr(held_out_density, "block_densities", densities)
     rng = np.random.default_rng(1)
-    assert held_out_density.least_asked_for(None, None, list(told), rng) == weakest
+    assert held_out_density.least_needed_cause(None, None, list(told), rng) == weakest
 
 
 def test_a_doubted_effect_counts_half_and_is_no_leader():

@@ -8,8 +8,8 @@ import bayesfric as bf
 from bayesfric.diagnosis.instrumental import (
     by_the_instrument,
     causes_by_the_instrument,
-    not_held,
     why_bent,
+    why_unconfirmed,
     why_unsettled,
 )
 from bayesfric.diagnosis.law import RunScatter
@@ -103,7 +103,7 @@ def of_backlash(ordinary, instrumental, se):
 )
 def test_a_cause_that_an_instrument_does_not_tell_is_not_held(backlash, alarmed, why):
     beside = of_backlash(*backlash).model_copy(update={"alarms": alarmed})
-    reason = not_held(beside, {"backlash": "backlash"})
+    reason = why_unconfirmed(beside, {"backlash": "backlash"})
     assert (reason is None) == (why is None)
     assert why is None or why in reason
 
@@ -117,17 +117,17 @@ def test_a_weak_instrument_that_is_sure_leaves_a_cause_open(p_value, strength, u
     changed = {"alarms": False, "p_value": p_value, "strength": strength}
     beside = of_backlash(0.09, 0.04, 0.08).model_copy(update=changed)
     assert (why_unsettled(beside) is not None) == unsettled
-    assert (not_held(beside, {"backlash": "backlash"}) is not None) == unsettled
+    assert (why_unconfirmed(beside, {"backlash": "backlash"}) is not None) == unsettled
     agreeing = of_backlash(0.5, 0.4, 0.05).model_copy(update=changed)
-    assert not_held(agreeing, {"backlash": "backlash"}) is None
+    assert why_unconfirmed(agreeing, {"backlash": "backlash"}) is None
 
 
 def test_a_cause_with_the_law_of_its_twin_is_held_by_that():
-    assert not_held(of_backlash(0.5, 0.4, 0.05), {"play": "backlash"}) is None
+    assert why_unconfirmed(of_backlash(0.5, 0.4, 0.05), {"play": "backlash"}) is None
 
 
 def test_a_cause_that_an_instrument_has_no_column_of_is_not_held():
-    assert "it does not determine spring" in not_held(
+    assert "it does not determine spring" in why_unconfirmed(
         of_backlash(0.5, 0.4, 0.05), {"spring": "spring"}
     )
 

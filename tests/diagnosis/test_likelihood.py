@@ -14,8 +14,8 @@ from bayesfric.analysis import Analysis
 from bayesfric.blind.engines import reference
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.information_cache import InformationCache
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.inference.cosines import cosines
 from bayesfric.inference.information import Information
@@ -137,13 +137,13 @@ def test_what_is_said_of_candidates_is_so_of_their_hypotheses(model):
     acting, psi = Acting((viscous,), (0.3,)), psi_of(model, phases=False)
     wanted = model.evaluate(psi, acting)
     for places in ([*viscous.places[::-1]], [*torque.places, *viscous.places], viscous.places):
-        said = model.mixed(model.said_of(psi, places), places, acting)
+        said = model.mixed(model.information_on(psi, places), places, acting)
         found = model.integrated(psi, acting, said)
         assert found.value == pytest.approx(wanted.value, abs=1e-7)
         np.testing.assert_allclose(found.mean, wanted.mean, rtol=1e-7, atol=1e-9)
         np.testing.assert_allclose(found.information.slope, wanted.information.slope, rtol=1e-9)
     nearby = psi + 0.1
-    said = model.mixed(model.said_of(nearby, viscous.places), viscous.places, acting)
+    said = model.mixed(model.information_on(nearby, viscous.places), viscous.places, acting)
     found = model.integrated(nearby, acting, said)
     assert found.value == pytest.approx(model.evaluate(nearby, acting).value, abs=1e-7)
 
@@ -157,7 +157,7 @@ def test_a_noise_that_many_start_from_is_computed_once():
         numbers = np.array([-1.0, *places, -2.0])
         return Information(np.multiply.outer(numbers, numbers), numbers, 0.5)
 
-    said, noise = Said(), np.zeros(2)
+    said, noise = InformationCache(), np.zeros(2)
     for places in ([3, 1], [3], [], [2], [0, 2], [1, 3]):
         found = said.of(noise, places, 4, 1, computed)
         assert found.slope.tolist() == [-1.0, *places, -2.0]

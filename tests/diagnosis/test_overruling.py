@@ -16,10 +16,10 @@ from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.held_out_density import BlockDensities
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.overruling import (
+    accounts_for_residual,
     contradicts,
     density_of,
     overruled,
-    tells_what_is_left,
     why_beyond_rivals,
     why_overruled,
 )
@@ -45,7 +45,7 @@ def gap_of(**changes):
 
 
 def why(gap, *, told=False):
-    return why_overruled(gap, PRACTICAL, told_as_remainder=told)
+    return why_overruled(gap, PRACTICAL, in_remainder=told)
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_what_is_left_overrules_where_it_matters_and_no_remainder_tells_it(share
 @pytest.mark.parametrize(("told", "implausible"), [(True, ["hysteresis"]), (True, []), (False, [])])
 def test_a_cause_that_no_machine_has_is_overruled_where_a_remainder_is_left(told, implausible):
     gap = gap_of(held_out_log_density=None, shrink=None)
-    said = why_overruled(gap, PRACTICAL, told_as_remainder=told, implausible=implausible)
+    said = why_overruled(gap, PRACTICAL, in_remainder=told, implausible=implausible)
     assert (said is not None) == bool(implausible)
     assert said is None or "hysteresis would be larger or smaller" in said
 
@@ -125,7 +125,7 @@ def test_a_cause_that_no_machine_has_is_overruled_where_a_remainder_is_left(told
 def test_a_cause_that_no_machine_has_falls_by_any_force_that_is_left():
     """Held-out data leave 0.4 % of friction, less than counts, of which no remainder tells."""
     gap = gap_of(held_out_log_density=None, shrink=None)
-    given = {"told_as_remainder": False, "implausible": ["spring"]}
+    given = {"in_remainder": False, "implausible": ["spring"]}
     assert why_overruled(gap, PRACTICAL, **given) is None
     assert "spring would be larger" in why_overruled(gap, PRACTICAL, force_left=True, **given)
 
@@ -269,9 +269,9 @@ def test_a_small_remainder_does_not_tell_what_is_many_times_larger(left, is_told
     remainder = Remainder(
         significant=True, log10_bayes_factor=3.0, share_of_gap=sure(0.25), axis="velocity"
     )
-    assert tells_what_is_left(remainder, gap) is is_told
+    assert accounts_for_residual(remainder, gap) is is_told
     nothing = remainder.model_copy(update={"significant": False})
-    assert not tells_what_is_left(nothing, gap)
+    assert not accounts_for_residual(nothing, gap)
 
 
 def test_an_effect_is_named_by_its_whole_name_alone():

@@ -8,7 +8,7 @@ import pytest
 from rigs.driven_mass import Machine, simulate, write
 
 import bayesfric as bf
-from bayesfric.diagnosis.concluded import _others_of, _why_not_shown, _why_open
+from bayesfric.diagnosis.concluded import _other_joints_of, _why_not_shown, _why_open
 from bayesfric.diagnosis.showing import loosely_known, why_not_shown
 from bayesfric.errors import InputError
 
@@ -152,4 +152,4 @@ def test_a_log_that_tells_no_friction_leaves_all_open(untold, verdict):
     objections = SimpleNamespace(loop=None, contradict=verdict == "unknown")
     why = _why_open(verdict, objections, rig, None, None)
     assert why == ("the sign is wrong" if untold else None)
-    assert _others_of(rig) == ("still" if untold else "unknown")
+    assert _other_joints_of(rig) == ("still" if untold else "unknown")

@@ -9,7 +9,7 @@ from report.diagnosis_sample import diagnosis, interval
 from bayesfric.diagnosis import structure
 from bayesfric.diagnosis.concluded import _why_no_scatter
 from bayesfric.diagnosis.sentence import Statement, sentence_of
-from bayesfric.diagnosis.structure import differs_within_runs, goes_together, unlike_scatter
+from bayesfric.diagnosis.structure import differs_within_runs, shared_by_neighbours, unlike_scatter
 from bayesfric.diagnosis.verdict import KnownEffect
 
 COUNT, PRACTICAL = 200, 0.02
@@ -46,7 +46,9 @@ def found(monkeypatch):
             "redrawn",
             lambda residuals, count, rng: told * rng.standard_normal((COUNT, count)),
         )
-        return goes_together(residuals, residuals.residual_n, PRACTICAL, np.random.default_rng(1))
+        return shared_by_neighbours(
+            residuals, residuals.residual_n, PRACTICAL, np.random.default_rng(1)
+        )
 
     return of
 
@@ -130,7 +132,7 @@ def test_sensors_that_are_known_to_be_off_explain_what_is_left(measuring, is_ope
 
 
 def test_the_sentence_says_that_scatter_does_not_explain_what_is_left():
-    together = structure.Together("trial_in_setup", 0.028, 0.0025)
+    together = structure.SharedForce("trial_in_setup", 0.028, 0.0025)
     told = Statement("undecided", 0.5, diagnosis().gap, 0.02, unlike_scatter=together.words("2.8%"))
     said = sentence_of(told)
     assert "neighbouring residuals along trial in setup share a force of 2.8% (scatter" in said

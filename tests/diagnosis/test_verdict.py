@@ -13,7 +13,7 @@ from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.remainder import left_matters, remainder_of
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
-from bayesfric.diagnosis.showing import windows_meant
+from bayesfric.diagnosis.showing import window_words
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import KnownEffect, decide, sets_of_one, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
@@ -187,7 +187,7 @@ def test_no_gap_says_how_much_was_recorded():
     ],
 )  # fmt: skip
 def test_a_window_is_what_the_rig_records(trial, words):
-    assert windows_meant(SimpleNamespace(trial=np.array(trial), independent=3)) == words
+    assert window_words(SimpleNamespace(trial=np.array(trial), independent=3)) == words
 
 
 def test_a_gap_of_sensors_alone_is_told_as_none():

@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 from bayesfric.analysis import Analysis
-from bayesfric.fitting.summary import _not_followed
+from bayesfric.fitting.summary import _ignored_settings
 
 NO_RIGS = SimpleNamespace(likelihoods=())
 
@@ -11,7 +11,7 @@ NO_RIGS = SimpleNamespace(likelihoods=())
 def test_priors_of_a_pulley_size_that_is_not_there_are_told():
     priors = {"pulleys": {"smal": {"c1": {"family": "half-normal", "scale": 0.1}}}}
     data = SimpleNamespace(rigs=(), sizes=("small", "large"))
-    (line,) = _not_followed(Analysis.model_validate({"priors": priors}), data, NO_RIGS)
+    (line,) = _ignored_settings(Analysis.model_validate({"priors": priors}), data, NO_RIGS)
     assert line.startswith("priors.pulleys.smal is of no pulley size of these data (small, large)")
     there = {"pulleys": {"small": priors["pulleys"]["smal"]}}
-    assert _not_followed(Analysis.model_validate({"priors": there}), data, NO_RIGS) == ()
+    assert _ignored_settings(Analysis.model_validate({"priors": there}), data, NO_RIGS) == ()

@@ -8,7 +8,7 @@ import pytest
 from blind.verdicts import diagnosed as made_up
 from report.diagnosis_sample import diagnosis, interval, without_gap
 
-from bayesfric.diagnosis.checking import looked_at
+from bayesfric.diagnosis.checking import checked_diagnosis
 from bayesfric.errors import InputError
 from bayesfric.invariants import RULES, statements
 from bayesfric.report.chapters.faults import faults
@@ -126,7 +126,7 @@ def test_a_diagnosis_that_contradicts_itself_concludes_nothing():
     wide = interval(0.099 * whole.gap.friction_rms, 0.001)
     low = interval(0.014 * whole.gap.friction_rms, 0.001)
     gap = whole.gap.model_copy(update={"systematic": wide, "before": low})
-    found = looked_at(whole.model_copy(update={"gap": gap}))
+    found = checked_diagnosis(whole.model_copy(update={"gap": gap}))
     assert found.verdict == "undecided"
     assert found.causes == ()
     assert [cause.effect for cause in found.considered] == ["viscous"]
@@ -136,12 +136,12 @@ def test_a_diagnosis_that_contradicts_itself_concludes_nothing():
     assert [check.check for check in found.checks if not check.holds] == ["gap-is-measured"]
     # The file is one that can be read, and says the same of itself again.
     again = type(found).model_validate_json(found.model_dump_json(by_alias=True))
-    assert looked_at(again).checks == found.checks
+    assert checked_diagnosis(again).checks == found.checks
 
 
 def test_a_diagnosis_that_goes_together_is_left_as_it_is():
     whole = diagnosis()
-    found = looked_at(whole)
+    found = checked_diagnosis(whole)
     assert found.model_copy(update={"checks": ()}) == whole
     assert len(found.checks) == len(RULES["diagnosis"])
     assert all(check.holds and check.detail is None for check in found.checks)

@@ -1,4 +1,4 @@
-"""What a fit predicts, laid out for the figures: curves, bands and trials.
+"""Predictions of a fit as arrays for the figures: curves, bands and trials.
 
 Figures draw from these arrays and compute nothing.
 """
@@ -43,15 +43,15 @@ def predict(
     Parameters
     ----------
     data : Data
-        Trials that entered.
+        Trials that were used.
     model : Model
-        Of the fit, with a likelihood of each rig of `data`.
+        Model of the fit, with a likelihood of each rig of `data`.
     theta : ndarray, shape (ensembles, draws, walkers, D)
         Posterior draws in the parameters' units.
     left_out, assemblies : mapping of str to LeftOut, and to Assemblies or None
-        What the fit predicts of trials and of assemblies that it has not seen, by rig.
+        Leave-one-out predictions of trials and of assemblies, by rig.
     analysis : Analysis
-        For the seed and the form of the scatter.
+        Contains the seed and the form of the scatter.
     baseline : FrictionLaw
         The friction law of the fit.
 
@@ -97,7 +97,7 @@ def covered(predictive: xr.DataTree) -> tuple[Coverage, ...]:
     Parameters
     ----------
     predictive : DataTree
-        As of :func:`predict`.
+        From :func:`predict`.
     """
     coverages = []
     for group in predictive.children.values():
@@ -111,7 +111,7 @@ def covered(predictive: xr.DataTree) -> tuple[Coverage, ...]:
 
 
 def _with_words(table: xr.Dataset, rig: Rig) -> xr.Dataset:
-    """Return a rig's table of trials with what its words are."""
+    """Return a rig's table of trials with its words as attributes."""
     words = rig.words
     return table.assign_attrs(
         rig=rig.name,
@@ -159,18 +159,18 @@ def _prior(
     analysis: Analysis,
     baseline: FrictionLaw,
 ) -> xr.Dataset:
-    """Return what the priors imply of friction, by condition."""
+    """Return the prior predictive friction by condition."""
     rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 4]))
     prior = model.by_name(model.draw_prior(PRIOR_DRAWS, rng))
     likelihood = model.likelihoods[0]
     key = [*CELL, *trials.loads]
-    # Without a recorded tension a placeholder stands in the column.
+    # Without a recorded tension the column contains a placeholder.
     tension = table if "tension_n" in table else likelihood.trials
     measured = {
         "tension_n": np.asarray(tension["tension_n"]),
         "friction_n": table["friction_n"].to_numpy(),
     }
-    # Friction at constant speed is negative in the table where the motion is.
+    # Friction at constant speed has the sign of the motion in the table.
     if trials.rig.words.regime == "steady":
         measured["friction_n"] = np.abs(measured["friction_n"])
     rows = likelihood.trials[key].assign(**measured)

@@ -1,6 +1,6 @@
-"""Assemblies left out one at a time: how far each lies from its prediction by all others.
+"""Leave-one-assembly-out checks: the deviation of each assembly from its prediction.
 
-Given the parameters, assemblies are independent. Where the model is right, their leave-one-out
+Given the parameters, assemblies are independent. If the model is right, their leave-one-out
 probabilities are therefore nearly independent and uniform: they depend on each other only through
 the parameters, which all assemblies inform.
 """
@@ -18,23 +18,23 @@ from bayesfric.arrays import Array
 from bayesfric.fitting.predictive.left_out import FromUniform, LeftOut, scores, uniformity
 from bayesfric.rigs.bands import QUANTILES
 
-FAR_SD = 3.0  # standard deviations; an assembly beyond is named
-FEWEST = 5  # assemblies whose distribution says something
-SETS_AGAIN = 2000  # sets of independent ones
+FAR_SD = 3.0  # standard deviations; assemblies farther away are named
+FEWEST = 5  # least number of assemblies for a check of their distribution
+SETS_AGAIN = 2000  # simulated sets of independent uniform probabilities
 
 
 @dataclass(frozen=True)
 class Assemblies:
-    """The assemblies of a rig that were left out one at a time.
+    """Leave-one-out results of a rig's assemblies.
 
     Parameters
     ----------
     names : tuple of str
-        Of J assemblies.
+        Names of J assemblies.
     pit : ndarray, shape (J,)
-        Probability of less friction of each, had all its trials been left out.
+        Leave-one-out CDF value of each assembly's friction.
     uniformity : FromUniform
-        Of these.
+        Deviation of these from a uniform distribution.
     without : mapping of str to ndarray, shape (J,)
         Posterior mean of each coefficient without the assembly.
     """
@@ -46,26 +46,26 @@ class Assemblies:
 
     @property
     def z(self) -> Array:
-        """Normal scores, shape (J,); above zero where an assembly has more friction."""
+        """Normal scores, shape (J,); positive for more friction than predicted."""
         return scores(self.pit)
 
     def chance(self, z: float) -> float:
-        """Return how often a recording that obeys the model has an assembly as far out."""
+        """Return the probability of an assembly as far out in a recording from the model."""
         return float(-np.expm1(self.pit.size * np.log1p(-2 * ndtr(-abs(z)))))
 
     def table(self, trials: pd.DataFrame) -> xr.Dataset:
-        """Return them as figures draw them, in the order of their scores.
+        """Return the data of the figure, in the order of the scores.
 
         Parameters
         ----------
         trials : DataFrame
-            Of the rig, with ``setup``.
+            Trials of the rig, with ``setup``.
 
         Returns
         -------
         Dataset
             By ``assembly``: ``z``, ``pit``, ``trials``, its condition, and ``expected``,
-            quantiles of the score of that rank among independent normal ones. By
+            quantiles of the score of the same rank among independent normal scores. By
             ``probability``: ``pit_difference`` and ``pit_band``.
         """
         order = np.argsort(self.z)
@@ -99,16 +99,16 @@ class Assemblies:
 
 
 def assemblies_of(left: LeftOut, setups: tuple[str, ...], seed: int) -> Assemblies | None:
-    """Return the assemblies that were left out; None of fewer than five.
+    """Return the leave-one-out results of assemblies; None for fewer than five.
 
     Parameters
     ----------
     left : LeftOut
-        Of the rig.
+        Leave-one-out predictions of the rig.
     setups : tuple of str
-        Its assemblies.
+        Names of the assemblies.
     seed : int
-        Of the sets of independent probabilities that make the band.
+        Seed of the simulated sets for the band.
     """
     there = np.isfinite(left.setup_pit)
     if left.setup_pit.size == 0 or there.sum() < FEWEST:

@@ -28,20 +28,20 @@ def coverage(
     table : DataFrame
         The N trials or runs.
     sizes : sequence of str
-        Pulley sizes in the order in which their conditions stand.
+        Pulley sizes in the order of their conditions.
     loads : sequence of str
-        Columns that, with size, n and wrap angle, make a condition.
+        Columns that define a condition, together with size, n and wrap angle.
     remade : Remade
-        New trials, and whole recordings made again.
+        New trials, and replicates of the whole recording.
     observed : ndarray, shape (N,)
-        Friction as measured [N].
+        Measured friction [N].
 
     Returns
     -------
     Dataset
         Over each ``condition`` (size, n, θ, loads), each ``cell`` (size, n, θ) and all:
-        ``…_share``, of trials inside, by level; ``…_expected``, 5, 50 and 95 % quantile of
-        that share if the recording were made again; ``…_trials``, how many there are.
+        ``…_share``, the share of trials inside, by level; ``…_expected``, the 5, 50 and 95 %
+        quantiles of that share in replicates; ``…_trials``, the number of trials.
     """
     inside, again = _inside(remade, observed)
     columns = [*CELL, *loads]
@@ -73,7 +73,7 @@ def coverage(
 
 
 def _inside(remade: Remade, observed: Array) -> tuple[Flags, Flags]:
-    """Return which trials are inside, (level, N), and which if made again, (level, W, N)."""
+    """Return which trials are inside, (level, N), and which replicates, (level, W, N)."""
     tails = np.array([(1 - level) / 2 for level in LEVELS])
     low = np.quantile(remade.apart, tails, axis=0)
     high = np.quantile(remade.apart, 1 - tails, axis=0)

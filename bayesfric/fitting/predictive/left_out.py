@@ -1,7 +1,7 @@
-"""What a fit predicts of trials and assemblies that it has not seen.
+"""Leave-one-out predictions of trials and assemblies.
 
-Each trial, and each assembly, is left out in turn: draws are weighted as if they had
-not seen it, and where the weights fail the posterior without it is sampled anew.
+Draws are weighted to the posterior without each trial and without each assembly (PSIS). If the
+weights are unreliable, the posterior is sampled again without it.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,39 +29,37 @@ from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import GivenRest, Model, RigLikelihood
 
 Kind = Literal["trial", "setup"]
-DRAWS_A_CALL = 100  # Student-t scatter needs a grid for each
-AGAIN = 1000  # recordings made again
+DRAWS_A_CALL = 100  # Student-t scatter needs a grid for each draw
+AGAIN = 1000  # replicated recordings
 GRID = np.arange(1, 50) / 50
 BAND = 0.95
-LARGEST_ERROR = 0.25  # of a refit's density [nat]; a difference below 4 nat decides nothing
-BRIDGED_TO = 0.05  # of a bridge [nat]: no worse than the error of an evidence
-EDGE = 1e-16  # of a probability whose normal score is to be finite
+LARGEST_ERROR = 0.25  # of a refit's log density [nat]; differences below 4 nat do not matter
+BRIDGED_TO = 0.05  # largest error of a bridge [nat], as for an evidence
+EDGE = 1e-16  # distance of probabilities from 0 and 1, for finite normal scores
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """What a fit predicts of one board's N trials and J assemblies.
+    """Leave-one-out predictions of one rig's N trials and J assemblies.
 
     Parameters
     ----------
     trial_log_likelihood, setup_log_likelihood : ndarray, shape (S, N) and (S, J)
-        Log densities of each given all others, draw by draw.
+        Log density of each given all others, draw by draw.
     trials, setups : ELPD or None
-        None where a density is not finite for some draw.
+        None if a density is not finite for a draw.
     pit : ndarray, shape (N,)
-        Probability of less friction of each trial, had it been left out; empty where there
-        is no `trials`.
+        Leave-one-out CDF value of each trial's friction; empty if `trials` is None.
     again : ndarray, shape (R, N)
-        Such probabilities of recordings made again.
+        The same for replicated recordings.
     setup_pit : ndarray, shape (J,)
-        Probability of less friction of each assembly, had all its trials been left out; NaN of
-        one that has none, empty where there is no `setups`.
+        Leave-one-out CDF value of each assembly's friction; NaN if it has none, empty if
+        `setups` is None.
     more : ndarray, shape (S, N)
-        By how much more friction each trial would show, made again among all others, draw by
-        draw [N]; shape (S, 0) where none was asked for.
+        Replicated minus measured friction of each trial given all others, draw by draw [N];
+        shape (S, 0) without replicates.
     without : mapping of str to ndarray, shape (J,)
-        Posterior mean of each coefficient, had the assembly been left out, in its unit; none
-        where there is no `setups`.
+        Posterior mean of each coefficient without the assembly; empty if `setups` is None.
     """
 
     trial_log_likelihood: Array
@@ -77,22 +75,21 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class FromUniform:
-    """How far leave-one-out probabilities are from uniform ones.
+    """Deviation of leave-one-out CDF values from a uniform distribution.
 
     Parameters
     ----------
     grid, difference : ndarray, shape (P,)
-        Probability, and the share of trials below it less it.
+        Probability, and the share of trials below it minus this probability.
     low, high : ndarray, shape (P,)
-        Band that 95 % of recordings made again stay within everywhere.
+        Simultaneous 95 % band of replicated recordings.
     p_value : float
-        Share of recordings made again that leave uniformity by more somewhere, in units
-        of the standard deviation there.
+        Share of replicated recordings with a larger maximum deviation, in units of the local
+        standard deviation.
     spread : float
-        Root mean square of the normal scores of the probabilities; 1 where trials scatter
-        as much as the model says.
+        Rms of the normal scores; 1 if trials scatter as the model predicts.
     spread_expected : ndarray, shape (3,)
-        5, 50 and 95 % quantile of that of recordings made again.
+        5, 50 and 95 % quantiles of `spread` in replicated recordings.
     """
 
     grid: Array
@@ -112,27 +109,27 @@ def leave_out(
     seed: int,
     rng: np.random.Generator | None = None,
 ) -> LeftOut:
-    """Leave each trial and each assembly of a board out.
+    """Leave out each trial and each assembly of a rig.
 
     Parameters
     ----------
     model : Model
         Of the posterior.
     likelihood : RigLikelihood
-        The board's, one of the model's.
+        The rig's likelihood, one of the model's.
     z : ndarray, shape (S, D)
         Posterior draws in the sampling space.
     start : ndarray, shape (D,)
-        A point of high density, from which refits climb.
+        A point of high density, from which refits start.
     seed : int
-        Of refits and of recordings made again.
+        Seed of refits and of replicated recordings.
     rng : Generator or None
-        Makes each trial again among all others; None makes none.
+        Source of randomness for replicates of each trial; None makes none.
 
     Returns
     -------
     LeftOut
-        With exact refits wherever a Pareto k is above its limit.
+        Predictions, with exact refits if a Pareto k is above its limit.
     """
     given = _given_rest(model, likelihood, z, rng)
     trial, setup = given.trial, given.setup
@@ -163,7 +160,7 @@ def leave_out(
 def coefficients_without(
     model: Model, z: Array, without: Without, refits: Mapping[int, Array]
 ) -> dict[str, Array]:
-    """Return the posterior mean of each coefficient, had a group been left out.
+    """Return the posterior mean of each coefficient without each group.
 
     Parameters
     ----------
@@ -172,9 +169,9 @@ def coefficients_without(
     z : ndarray, shape (S, D)
         Posterior draws in the sampling space.
     without : Without
-        Their weights for each of J groups.
+        Weights of the draws for each of J groups.
     refits : mapping of int to ndarray, shape (S', D)
-        Draws of the posterior without a group whose weights fail, by its place.
+        Draws of the posterior without a group whose weights are unreliable, by its index.
 
     Returns
     -------
@@ -192,7 +189,7 @@ def coefficients_without(
 
 
 def setup_log_densities(model: Model, z: Array) -> list[Array]:
-    """Return the log density of each assembly given the others, a rig at a time.
+    """Return the log density of each assembly given the others, rig by rig.
 
     Parameters
     ----------
@@ -219,14 +216,14 @@ def setup_log_densities(model: Model, z: Array) -> list[Array]:
 
 
 def leave_setups_out(densities: Sequence[Array]) -> ELPD:
-    """Leave each assembly of all of a model's boards out, without refits.
+    """Leave out each assembly of all rigs of a model, without refits.
 
-    A refit takes seconds a group. Without, one whose Pareto k is above its limit stays marked.
+    A refit takes seconds for each group. Groups with a Pareto k above its limit stay marked.
 
     Parameters
     ----------
     densities : sequence of ndarray, each of shape (S, J)
-        Of :func:`setup_log_densities`.
+        From :func:`setup_log_densities`.
 
     Returns
     -------
@@ -243,10 +240,10 @@ def leave_setups_out(densities: Sequence[Array]) -> ELPD:
 
 
 def uniformity(pit: Array, again: Array) -> FromUniform:
-    """Compare leave-one-out probabilities with those of recordings made again.
+    """Compare leave-one-out CDF values with those of replicated recordings.
 
-    Trials of an assembly depend on one another, so their probabilities do not scatter as
-    independent uniform ones: recordings made again say how they do.
+    Trials of an assembly are dependent, so their CDF values do not scatter like independent
+    uniform ones. Replicated recordings give their distribution.
 
     Parameters
     ----------
@@ -286,7 +283,7 @@ def uniformity(pit: Array, again: Array) -> FromUniform:
 
 
 def _distribution(pit: Array) -> Array:
-    """Return the share of the last axis below each place of the grid, shape (…, P)."""
+    """Return the share of the last axis below each point of the grid, shape (…, P)."""
     return np.stack([(pit <= place).mean(axis=-1) for place in GRID], axis=-1)
 
 
@@ -308,13 +305,13 @@ def _leave_out(
     start: Array,
     seed: int,
 ) -> tuple[ELPD, dict[int, Array]]:
-    """Return the predictive densities, and the draws of each refit by its group's place."""
+    """Return the predictive densities, and the draws of each refit by its group's index."""
     chart = chart_of(model)
     refits: dict[int, Array] = {}
 
     @cache
     def seen() -> Evidence | None:
-        """Return the evidence of all data; most boards need no refit and never call this."""
+        """Return the evidence of all data, which only refits need."""
         laplace = laplace_approximation(model.log_posterior, start, model.scale())
         drawn = importance_draws(model.log_posterior, laplace, seed, chart)
         return None if drawn is None else drawn[0]
@@ -328,8 +325,8 @@ def _leave_out(
         unseen = refit_without(model.log_posterior, conditional, start, model.scale(), own, chart)
         if unseen is None:
             return None
-        # The evidence of all data over that without the group: by a bridge between the draws
-        # of either, or, where these are too far apart, by importance both.
+        # The ratio of the evidences with and without the group comes from a bridge between both
+        # sets of draws or, if these are too far apart, from importance sampling of both.
         value, error = bridge_ratio(log_likelihood[:, place], conditional(unseen.draws))
         if error > BRIDGED_TO and (whole := seen()) is not None:
             error = float(np.hypot(whole.error, unseen.evidence.error))
@@ -345,7 +342,7 @@ def _leave_out(
 def _given_rest(
     model: Model, likelihood: RigLikelihood, z: Array, rng: np.random.Generator | None = None
 ) -> GivenRest:
-    """Return at each point the density of each trial and assembly given all others."""
+    """Return the density of each trial and assembly given all others, at each point."""
     parts = [
         likelihood.given_rest(model.by_name(model.natural(block)), rng) for block in _blocks(z)
     ]

@@ -1,4 +1,4 @@
-"""What the draws of each parameter look like: against Table I, by rank, beside the prior."""
+"""Figures of the draws of each parameter: ratios to Table I, ranks, prior and posterior."""
 
 import numpy as np
 import xarray as xr
@@ -38,7 +38,7 @@ def coefficients(model: Model, flat: Array) -> xr.Dataset:
 
 
 def ranks(model: Model, theta: Array) -> xr.Dataset:
-    """Return how the draws of each ensemble rank among all."""
+    """Return the ranks of each ensemble's draws among all draws."""
     counts = np.stack(
         [rank_counts(theta[..., place], RANK_BINS) for place in range(theta.shape[-1])]
     )
@@ -50,10 +50,10 @@ def ranks(model: Model, theta: Array) -> xr.Dataset:
 
 
 def densities(model: Model, flat: Array) -> xr.Dataset:
-    """Return the prior density of each parameter and that of its draws, side by side.
+    """Return the prior and the posterior density of each parameter.
 
-    The posterior is a histogram, since a smooth estimate would leak over the bound of a
-    scale; the prior is exact, at the edges of its classes.
+    The posterior is a histogram, because a smooth estimate would extend beyond the bound of a
+    scale. The prior is exact, at the edges of the histogram.
     """
     edges, heights, priors = [], [], []
     for parameter, draws in zip(model.parameters, flat.T, strict=True):

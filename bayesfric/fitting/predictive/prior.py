@@ -1,4 +1,4 @@
-"""What the priors alone imply of friction, beside the posterior and the measurements."""
+"""Friction implied by the priors alone, compared with the posterior and the measurements."""
 
 from collections.abc import Mapping
 
@@ -24,7 +24,7 @@ def friction_of_prior(
     posterior: Mapping[str, Array],
     baseline: FrictionLaw,
 ) -> xr.Dataset:
-    """Return the friction of each condition by prior and posterior draws.
+    """Return the friction of each condition under prior and posterior draws.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def friction_of_prior(
         A row each: ``pulley_size``, ``n_pulleys``, ``wrap_angle_deg``, ``tension_n``, the
         nominal tension at which friction was measured, and ``friction_n``.
     resting : Resting or None
-        What holds the same conditions at rest; None where the rig moves whatever friction is.
+        The same conditions at rest; None if the rig moves for any friction.
     prior, posterior : mapping of str to ndarray, shape (W,)
         Draws by parameter.
     baseline : FrictionLaw
@@ -65,7 +65,7 @@ def friction_of_prior(
     for name, draws in (("prior", prior), ("posterior", posterior)):
         implied = _implied(conditions, rows_of, resting, draws, baseline)
         if name == "posterior":
-            del implied["negative"]  # the data have ruled it out
+            del implied["negative"]  # the data exclude it
         variables |= {f"{name}_{quantity}": values for quantity, values in implied.items()}
     return xr.Dataset(variables, coords={"pulley": list(rows_of), "level": list(PRIOR_QUANTILES)})
 
@@ -77,7 +77,7 @@ def _implied(
     draws: Mapping[str, Array],
     baseline: FrictionLaw,
 ) -> dict[str, object]:
-    """Return what draws imply: the variables without ``prior_`` or ``posterior_``."""
+    """Return the variables implied by draws, without ``prior_`` or ``posterior_``."""
     sizes, quantiles = len(rows_of), len(PRIOR_QUANTILES)
     by_condition, pooled = np.empty((len(conditions), quantiles)), np.empty((sizes, quantiles))
     negative, stuck, somewhere = np.empty(sizes), np.empty(sizes), np.empty(sizes)

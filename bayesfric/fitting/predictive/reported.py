@@ -49,7 +49,7 @@ def _prediction(rig: str, kind: str, elpd: ELPD | None, groups: int) -> Predicti
 
 
 def assembly_checks(assemblies: Mapping[str, Assemblies | None]) -> tuple[AssemblyCheck, ...]:
-    """Return what ``fit.json`` says of assemblies left out.
+    """Return the entries of ``fit.json`` on left-out assemblies.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def assembly_checks(assemblies: Mapping[str, Assemblies | None]) -> tuple[Assemb
 
 
 def uniformities(left_out: Mapping[str, LeftOut]) -> tuple[Uniformity, ...]:
-    """Test by board whether leave-one-trial-out probabilities are uniform.
+    """Test for each rig whether leave-one-trial-out CDF values are uniform.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def uniformities(left_out: Mapping[str, LeftOut]) -> tuple[Uniformity, ...]:
 
 
 def _spread_of(checked: FromUniform) -> dict[str, float]:
-    """Return how far probabilities are from uniform ones, as it is stored."""
+    """Return the deviation from a uniform distribution in the form that is stored."""
     low, _, high = map(float, checked.spread_expected)
     return {
         "p_value": checked.p_value,

@@ -1,4 +1,4 @@
-"""What other joints that are logged do to one, where no model of the machine says it.
+"""Forces of other, logged joints on a joint, without a model of the machine.
 
 Forces of the form that a chain of joints has, in unknown amounts: gravity as sines and cosines
 of positions and their sums, momentum f(q) q̇_k, and f(q) q̇_k q̇_l. Gravity of one such angle may
@@ -16,9 +16,9 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.paths import Path
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-AROUND = 2  # joints on either side whose sums of positions gravity is told by
-TAKEN = 2.0  # what moves over what gravity's forms leave: they take what goes with the position
-KNOWN_TO = 0.15  # of a known force: how far it may be wrong, as a model's masses are
+AROUND = 2  # joints on either side whose positions enter gravity's angles
+TAKEN = 2.0  # prior rms of dynamic forces, relative to what forms of gravity leave
+KNOWN_TO = 0.15  # relative error of a known force, as of a model's masses
 
 
 class Scales(NamedTuple):
@@ -27,11 +27,11 @@ class Scales(NamedTuple):
     Parameters
     ----------
     force : float
-        What forces beside the law may be: the drive's, or the error of what is known of it.
+        Scale of forces other than the law: the drive force, or the error of its known part.
     moving : float
-        The same of what moves alone: what gravity and friction leave of the drive's.
+        Scale of dynamic forces: the part of the drive force that gravity and friction leave.
     known_force : float
-        What is known of the drive force; 0 where nothing is.
+        Known part of the drive force; 0 if there is none.
     speed, acceleration : float
         The largest of any joint.
     """
@@ -43,7 +43,7 @@ class Scales(NamedTuple):
     acceleration: float
 
     def of_one(self, count: int) -> float:
-        """Return what each of so many forms of what moves may take."""
+        """Return the prior scale of each of `count` dynamic forces."""
         return float(TAKEN * self.moving / np.sqrt(count))
 
 
@@ -62,7 +62,7 @@ def scales_of(
     paths : sequence of Path
         Of all joints, each on its own log.
     known_force_sd : float or None
-        Standard error of what is known of the drive force, where it is stated.
+        Stated standard error of the known part of the drive force.
     resting : sequence of ndarray, shape (N, k)
         Forms of gravity and friction in each run, of :func:`gravity_and_friction`.
     """
@@ -84,7 +84,7 @@ def scales_of(
 
 
 def _left(force: Array, forms: Sequence[Array]) -> float:
-    """Return the rms of a force that forms in any amounts leave."""
+    """Return the rms of a force after a least-squares fit of forms."""
     columns = np.concatenate(forms)
     return _rms([force - columns @ np.linalg.lstsq(columns, force, rcond=1e-9)[0]])
 
@@ -119,14 +119,14 @@ def _rms(values: Sequence[Array]) -> float:
 
 
 def known_to(force: WeakForce, scales: Scales) -> WeakForce:
-    """Return by how much a known force may be wrong, as a share of itself.
+    """Return the error of a known force, proportional to this force.
 
     Parameters
     ----------
     force : WeakForce
         Of a run.
     scales : Scales
-        Of the recording, the error as it is stated.
+        Scales of the recording, with the stated error.
     """
     share = scales.force / scales.known_force if scales.known_force else 0.0
     momentum = None if force.momentum is None else share * force.momentum
@@ -136,7 +136,7 @@ def known_to(force: WeakForce, scales: Scales) -> WeakForce:
 def coupling(
     paths: Sequence[Path], own: int, log: EvenLog, scales: Scales, rotary: bool
 ) -> Iterator[WeakForce]:
-    """Yield what other joints may do to one in a run.
+    """Yield the possible forces of other joints on a joint in a run.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def coupling(
         yield from (WeakForce(scales.force * turn(a)) for a in angles for turn in (np.cos, np.sin))
     rates_of_others = [paths[k].velocity for k in near if k != own]
     columns = [shape * rate for shape in shapes for rate in rates_of_others]
-    # The first, of its own rate alone, is the law's inertia.
+    # The first column, of its own speed alone, is the law's inertia.
     columns += [shape * paths[own].velocity for shape in without_own[1:]]
     size = scales.of_one(len(columns)) / scales.acceleration
     yield from (WeakForce(nothing, momentum=size * column) for column in columns)
@@ -178,7 +178,7 @@ def coupling(
 
 
 def _inner(paths: Sequence[Path], near: Sequence[int]) -> Iterator[Array]:
-    """Yield the angles by which the inertia of a chain changes: of joints, of pairs, and twice."""
+    """Yield the angles on which a chain's inertia depends: of joints, of pairs, and doubled."""
     for k in near:
         yield from (paths[k].position, 2 * paths[k].position)
         if k + 1 in near:

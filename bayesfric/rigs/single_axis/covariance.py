@@ -1,7 +1,7 @@
 """The covariance of rows: position and force errors, and friction that wanders along the path.
 
-Rows of a piece (neighbours in one pass) hang together, rows of different pieces do not. All
-pieces are padded to one length, so that they are solved at once.
+Rows of a piece (neighbours in one pass) are correlated, rows of different pieces are not. All
+pieces are padded to one length, so that they are solved together.
 """
 
 from dataclasses import dataclass
@@ -22,9 +22,9 @@ class Pieces:
     Parameters
     ----------
     rows : ndarray of int, shape (C, M)
-        Row at each place of each piece; the number of rows where there is none.
+        Row at each position of each piece; the total number of rows for padding.
     position, force : ndarray, shape (C, M, M)
-        Covariance by an error of the position of 1, the mass in it, and of the force of 1.
+        Covariance by a unit error of position (including the mass), and of force.
     apart : ndarray, shape (C, M, M)
         Travel between two rows.
     moved : ndarray, shape (C, M)
@@ -42,18 +42,18 @@ class Pieces:
 
     @classmethod
     def of(cls, readings: Readings, mass: float, moved: Array, damping: float = 0.0) -> "Pieces":
-        """Lay rows out.
+        """Arrange rows in padded pieces.
 
         Parameters
         ----------
         readings : Readings
             The rows.
         mass : float
-            By which an error of the position is multiplied.
+            Factor of an error of position.
         moved : ndarray, shape (W,)
             Friction that wanders [N].
         damping : float
-            By which an error of a servo's speed is multiplied.
+            Factor of an error of a servo's speed.
         """
         sizes = np.bincount(readings.piece)
         widest = int(sizes.max())
@@ -92,7 +92,7 @@ class Pieces:
         return position**2 * self.position, force**2 * self.force, wander**2 * products * shape
 
     def solved(self, position: float, force: float, wander: float, length: float) -> "Solved":
-        """Return the inverse covariance at a noise.
+        """Return the inverse covariance at given noise parameters.
 
         Parameters
         ----------
@@ -110,7 +110,7 @@ class Pieces:
         return Solved(self, np.asarray(np.linalg.inv(whole)), whole, parts, length)
 
     def grouped(self, size: int) -> tuple[csr_array, Whole]:
-        """Return what makes means over neighbouring rows of a piece, and the first row of each."""
+        """Return the matrix of means over neighbouring rows, and the first row of each mean."""
         groups = []
         for piece in self.rows:
             there = piece[piece < self.count]
@@ -128,7 +128,7 @@ class Pieces:
         wander: float,
         length: float,
     ) -> csr_array:
-        """Return the covariance of means of rows at a noise, shape (G, G)."""
+        """Return the covariance of means of rows at given noise parameters, shape (G, G)."""
         whole = sum(self._parts(position, force, wander, length))
         there = self.rows < self.count
         both = there[:, :, None] & there[:, None, :]
@@ -140,14 +140,14 @@ class Pieces:
 
 @dataclass(frozen=True)
 class Solved:
-    """The inverse covariance at a noise.
+    """The inverse covariance at given noise parameters.
 
     Parameters
     ----------
     pieces : Pieces
         The rows.
     inverse, whole : ndarray, shape (C, M, M)
-        Of the covariance, and it.
+        Inverse covariance, and covariance.
     parts : tuple of ndarray, shape (C, M, M)
         By position, force and wander.
     length : float
@@ -169,14 +169,14 @@ class Solved:
         return product[:-1].reshape(values.shape)
 
     def log_determinant(self, kept: Flags) -> float:
-        """Return that of the covariance of the rows that are kept: of whole pieces."""
+        """Return the log determinant of the covariance of the kept rows (whole pieces)."""
         used = kept[self.pieces.rows[:, 0]]
         return float(np.linalg.slogdet(self.whole[used])[1].sum())
 
     def gradient(
         self, pulls: Array, pulled: Array, taken: Array, trial: Whole, kept: Flags
     ) -> dict[str, float]:
-        """Return derivatives of the log evidence by logarithms of the noise.
+        """Return derivatives of the log evidence by log noise parameters.
 
         Parameters
         ----------
@@ -186,12 +186,12 @@ class Solved:
         pulled : ndarray, shape (W, k)
             The inverse covariance of rows alone times the columns of deviations.
         taken : ndarray, shape (N, k, k)
-            Of each run: by how much of their products the inverse is less once deviations are
-            integrated out.
+            For each run: the part of their products that integration over deviations subtracts
+            from the inverse.
         trial : ndarray of int, shape (W,)
             Run of each row.
         kept : ndarray of bool, shape (W,)
-            Rows that enter.
+            Rows that are used.
         """
         rows = self.pieces.rows
         used = kept[rows[:, 0]]

@@ -1,21 +1,21 @@
-"""Friction's deviations from the law that rows share, integrated out in closed form.
+"""Integrates deviations of friction that rows share, in closed form.
 
-Beside what a single pass has of its own (:mod:`.covariance`), friction differs from run to run
-and from assembly to assembly, and from place to place along the path: by a map that is the
-machine's own and comes back in every run, and by one that comes back within a run only. A map
-is a sum of cosines of the position with normal weights, whose variances fall with the number of
-waves, how early and how fast being parts of the noise:
+In addition to the scatter within a single pass (:mod:`.covariance`), friction differs from run to
+run, from assembly to assembly, and along the path. One map along the path is the same in every run,
+another is constant within a run only. A map is a sum of cosines of the position with normal
+weights. Their variances decrease with the number of waves; correlation length and decay are noise
+parameters:
 
     relative deviation of row i of run r on assembly j at q and t =
         η_j + ε_r + Σ_k (a_k + b_rk) cos(k π (q − q_low) / span) + Σ_k c_rk cos(k π t / T) .
 
 It also changes slowly in time within a run, as lubricant and temperature do; T is the longest run.
-Weights of runs are integrated out run by run; what is left of the rows then, the columns that
-assemblies and all runs share among them, is small.
+Weights of runs are integrated out run by run; the remaining matrices, with the columns that
+assemblies and runs share, are small.
 
-An effect that acts on friction scatters with it, so that its curve is in the column of η + ε. What
-all runs have of these in common is the law's alone: a curve that every run had by one large
-scatter, with the law's own friction taken back, would be an effect that no hypothesis pays for.
+An effect on friction scatters with it, so its curve is in the column of η + ε. The mean of η + ε
+over all runs scales the law's friction alone. Otherwise one large common scatter could add the
+curve of the effect to every run without any cost in evidence.
 """
 
 from dataclasses import dataclass
@@ -42,14 +42,14 @@ def map_columns(position: Array, waves: int = COSINES) -> Array:
 
 
 def deviating_columns(position: Array, moved: Array, law: Array, time_s: Array) -> Array:
-    """Return what relative deviations of 1 add to rows, (W, :data:`COLUMNS`) [N].
+    """Return the change of rows by relative deviations of 1, (W, :data:`COLUMNS`) [N].
 
     Parameters
     ----------
     position : ndarray, shape (W,)
         Mean of each row.
     moved, law : ndarray, shape (W,)
-        Friction that deviates, of effects too, and of the law alone [N].
+        Friction including effects, and friction of the law alone [N].
     time_s : ndarray, shape (W,)
         Of each row since its run began [s].
     """
@@ -58,10 +58,10 @@ def deviating_columns(position: Array, moved: Array, law: Array, time_s: Array) 
 
 
 def map_spectrum(length: float, decay: float, waves: int = COSINES) -> tuple[Array, Array, Array]:
-    """Return variances of a map's weights at a mean square of 1, and their slopes.
+    """Return variances of a map's weights for a mean square of 1, and their derivatives.
 
-    A wave of k halves has a share (1 + (k π length)²)^−decay: 1 of a process with an exponential
-    correlation, more the smoother friction is.
+    k half waves have a share (1 + (k π length)²)^−decay. The decay is 1 for an exponential
+    correlation, and larger for smoother friction.
 
     Parameters
     ----------
@@ -113,11 +113,10 @@ class Shared:
     Parameters
     ----------
     grams : ndarray, shape (N, C, n)
-        Of each run: products of its columns of deviations, of which there are C = :data:`COLUMNS`,
-        with all of its columns, these and any others, weighted by the inverse covariance of what
-        rows have of their own.
+        For each run: products of its C = :data:`COLUMNS` columns of deviations with all its
+        columns, weighted by the inverse covariance of the rows' own errors.
     others : ndarray, shape (n − C,) twice
-        The same of the other columns with each other, all runs together.
+        The same for the other columns with each other, summed over runs.
     setup : ndarray of int, shape (N,)
         Assembly of each run.
     levels : Levels
@@ -126,9 +125,9 @@ class Shared:
     Attributes
     ----------
     rest : ndarray, shape (n − C,) twice
-        The products of the other columns, all runs together, deviations integrated out.
+        The products of the other columns, summed over runs, with deviations integrated out.
     constant : float
-        What the log density is more by the determinant.
+        Contribution of the determinant to the log density.
     """
 
     def __init__(self, grams: Array, others: Array, setup: Whole, levels: Levels) -> None:
@@ -171,13 +170,13 @@ class Shared:
         self.constant = -0.5 * float(log_run.sum() + log_shared.sum())
 
     def moments(self, mixed: Array) -> tuple[float, float, Array, Array, Array]:
-        """Return what a variance more of each level adds to the log evidence, doubled.
+        """Return twice the derivatives of the log evidence by the variance of each level.
 
         Parameters
         ----------
         mixed : ndarray, shape (n − C, m)
-            Mixtures of the other columns whose squares are added: the residual, and the
-            columns by a root of the covariance of their numbers.
+            Combinations of the other columns whose squares are added: the residual, and the
+            columns times a root of the covariance of their numbers.
 
         Returns
         -------
@@ -209,7 +208,7 @@ class Shared:
         )
 
     def of_rows(self) -> tuple[Array, Array]:
-        """Return what of each run's rows is taken off by deviations.
+        """Return the factors by which deviations reduce each run's rows.
 
         Returns
         -------
@@ -227,7 +226,7 @@ class Shared:
 
     @cached_property
     def _taken_of_runs(self) -> Array:
-        """Of what several runs share, what belongs to the columns of each run."""
+        """The part of the shared covariance that belongs to the columns of each run."""
         return np.asarray(self._taken[self._places[:, :, None], self._places[:, None, :]])
 
     def _summed(self, values: Array) -> Array:
@@ -240,7 +239,7 @@ class Shared:
 
 
 def integrated(grams: Array, variance: Array) -> tuple[Array, Array]:
-    """Return products of columns with the first ones' numbers integrated out, run by run.
+    """Return products of columns with the numbers of the first k integrated out, run by run.
 
     Parameters
     ----------
@@ -253,7 +252,7 @@ def integrated(grams: Array, variance: Array) -> tuple[Array, Array]:
     -------
     forms : ndarray, shape (N, n − k, n − k)
     log_determinant : ndarray, shape (N,)
-        What the rows' covariance has more.
+        Increase of the log determinant of the rows' covariance.
     """
     k = variance.size
     taken, log_determinant = _taken(grams[:, :k, :k], variance)

@@ -1,10 +1,10 @@
-"""A joint that dithers: counts of its encoder in the controller's damping shake it to and fro.
+"""Detects dither: encoder counts in the controller's damping make a joint oscillate.
 
-A controller that takes the speed from counts answers each of them with a kick. Where the joint is
-slow it then turns back between two counts: friction has not one sign in a window in which the
-smoothed speed has, and its mean looks like friction that grows with speed. The kicks are in the
-log: over the inertia they are the speed that the smoothed one lacks. Windows in which the joint
-turns back are left out, and counted.
+A controller that differentiates encoder counts responds to each count with a force pulse. At low
+speed the joint then reverses between two counts. Friction changes its sign within a window, while
+the smoothed speed does not, and its mean looks like friction that grows with speed. The pulses are
+in the log; divided by the inertia they give the part of the speed that smoothing removes. Windows
+with such reversals are excluded and counted.
 """
 
 from collections.abc import Sequence
@@ -24,14 +24,14 @@ from bayesfric.rigs.single_axis.windows import half_samples, position_sd
 
 
 class Dither(NamedTuple):
-    """Windows in which a joint turns back between two counts.
+    """Windows in which a joint reverses between two counts.
 
     Parameters
     ----------
     windows, of : int
-        How many, and of all that otherwise enter.
+        Their number, and the number of all otherwise valid windows.
     left_out : bool
-        Whether they do not enter; they do where too few would be left.
+        Whether they are excluded; they are not if too few windows would remain.
     """
 
     windows: int = 0
@@ -42,7 +42,7 @@ class Dither(NamedTuple):
 def steady(
     logs: Sequence[EvenLog], mass: float, half_s: float, resolution: float | None
 ) -> tuple[tuple[EvenLog, ...], Dither]:
-    """Return runs that know where they dither, and how much they do.
+    """Return runs with their dithering samples marked, and a summary.
 
     Parameters
     ----------
@@ -74,11 +74,11 @@ def steady(
 
 
 def _turned_back(log: EvenLog, mass: float, half: int, noise: float) -> tuple[Array, Flags]:
-    """Return which way a run seems to go, and at which samples it goes the other, (N,) each."""
+    """Return the apparent direction, and which samples move against it, (N,) each."""
     _, speed, way = smooth_motion(log, max(SMOOTHED, half // 2), noise)
     nothing = np.zeros(way.size, dtype=np.bool_)
     quick, moved = _quick(log.force, half), _quick(np.diff(log.position, prepend=0.0), half)
-    moved[: half + 1] = 0.0  # nothing is known from before the first sample
+    moved[: half + 1] = 0.0  # there are no samples before the first one
     size = float(np.linalg.norm(quick) * np.linalg.norm(moved))
     if not mass > 0 or size == 0:
         return way, nothing
@@ -90,5 +90,5 @@ def _turned_back(log: EvenLog, mass: float, half: int, noise: float) -> tuple[Ar
 
 
 def _quick(values: Array, half: int) -> Array:
-    """Return what changes within a window, shape (N,)."""
+    """Return values minus their mean over a window, shape (N,)."""
     return np.asarray(values - scipy.ndimage.uniform_filter1d(values, 2 * half + 1))

@@ -1,4 +1,4 @@
-"""Whether a log of an axis tells anything: the rule that leaves it out, with its numbers."""
+"""Whether a log of an axis contains enough information, and the reason if it does not."""
 
 from collections.abc import Sequence
 
@@ -12,14 +12,14 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.windows import pass_s, position_sd, sticking_share
 
-# Samples in a pass: with fewer, few windows run one way all through.
+# Least samples of a pass: with fewer, few windows have a single direction.
 AT_EASE = 4 * AXIS_RULES.narrowest_at_turns
-SAME = 1e-6  # of the stroke, by which a copy of the positions differs from them at most
-STICKS = 0.5  # of rests after which the axis goes on the same way, that show that it sticks
+SAME = 1e-6  # largest difference between positions and a copy of them, relative to the stroke
+STICKS = 0.5  # share of rests followed by the same direction from which the axis sticks
 
 
 def joints_that_lack(axis: Axis) -> dict[str, str]:
-    """Return by run another joint of which it has too few samples: such a run does not enter."""
+    """Return by run a joint with too few samples in it; such runs are not used."""
     counts = {joint: samples["run"].value_counts() for joint, samples in axis.others.items()}
     return {
         str(run): joint
@@ -30,7 +30,7 @@ def joints_that_lack(axis: Axis) -> dict[str, str]:
 
 
 def too_short(axis: Axis) -> Unsupported:
-    """Return why no run was taken: all have too few samples, of this joint or of another."""
+    """Return why no run is used: all have too few samples of this or of another joint."""
     least, longest = AXIS_RULES.least_samples, int(axis.samples["run"].value_counts().max())
     if longest < least:
         return Unsupported(f"a run takes {least} samples, and the longest has {longest}")
@@ -39,7 +39,7 @@ def too_short(axis: Axis) -> Unsupported:
 
 
 def without_force(logs: Sequence[EvenLog]) -> Unsupported | None:
-    """Return why runs tell nothing without any force; None where some force acts."""
+    """Return why runs without any force contain no information; None if some force acts."""
     if any(log.force.any() for log in logs):
         return None
     return Unsupported(
@@ -49,7 +49,7 @@ def without_force(logs: Sequence[EvenLog]) -> Unsupported | None:
 
 
 def without_a_difference(samples: pd.DataFrame) -> Unsupported | None:
-    """Return that a column is a copy of another, so that nothing is left to explain; else None.
+    """Return a reason if a column is a copy of another; else None.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def without_a_difference(samples: pd.DataFrame) -> Unsupported | None:
 
 
 def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsupported | None:
-    """Return why runs show no motion that windows could be made of; None where they may.
+    """Return why runs have too little motion for windows; None if they have enough.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsu
 
 
 def refused_for_few_windows(readings: Readings | None) -> Unsupported | None:
-    """Return why rows do not tell mass and friction; None where there are enough."""
+    """Return why rows are too few for mass and friction; None if there are enough."""
     count = 0 if readings is None else round(min(readings.hop, 1.0) * readings.count)
     if count >= AXIS_RULES.least_windows:
         return None

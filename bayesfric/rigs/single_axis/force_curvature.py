@@ -1,4 +1,4 @@
-"""The force's second derivative about a window, apart from the errors of the mean force in it."""
+"""The second derivative of the force around a window, without the errors of its mean force."""
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -8,17 +8,17 @@ from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 
-BESIDE = 3  # half windows, within which a force's second derivative is told
+BESIDE = 3  # half windows from which the second derivative is estimated
 
 
 def force_curvature(
     log: EvenLog, test: TestFunction, centres: NDArray[np.intp], runs: Array
 ) -> Array:
-    """Return the force's second derivative about each window, shape (W,) [N/s²].
+    """Return the second derivative of the force around each window, shape (W,) [N/s²].
 
-    By the window's own samples it would have the errors of the mean force in it, with the
-    other sign: a row would be explained by its own error. Only where the axis turns too near
-    are they taken: there friction jumps, and its jump is what a compliance answers to.
+    An estimate from the window's own samples would contain the errors of its mean force with
+    opposite sign: a row would be explained by its own error. They are used only if the axis
+    reverses too close to the window: friction jumps there, and a compliance responds to the jump.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def force_curvature(
 
 
 def _beside(half: int, wide: int, interval_s: float) -> Array:
-    """Return weights of samples beside a window that tell a second derivative, (2 wide + 1,)."""
+    """Return weights of samples outside a window for a second derivative, (2 wide + 1,)."""
     place = np.arange(-wide, wide + 1.0)
     weight = np.where(np.abs(place) > half, (1 - (place / (wide + 1)) ** 2), 0.0)
     time2 = (place / wide) ** 2

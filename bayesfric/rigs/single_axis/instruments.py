@@ -1,12 +1,13 @@
-"""What the motion is told by without a window's own errors: an instrument against the loop.
+"""Instrumental variables for a joint in a control loop, and their comparison with least squares.
 
-Errors of an encoder are in the regressors, and what disturbs a joint inside a controller is in its
-force and, a little later, in its motion: least squares then take the one for the other. An
-instrument goes with the motion and not with either. It is the path of the reference where that was
-logged, and else the motion in the two windows before, of which later errors know nothing.
+Errors of an encoder are in the regressors, and a disturbance inside the loop is in the force and, a
+little later, in the motion. Both bias least squares. An instrument is correlated with the motion
+but not with these errors. It is the reference path if that was logged, and otherwise the motion in
+the two preceding windows, which is independent of later errors.
 
-Least squares with and without it are compared as Durbin, Wu and Hausman do: what the instruments
-leave of acceleration and speed explains nothing more of the force where least squares are right.
+Both estimates are compared by the test of Durbin, Wu and Hausman: if least squares are unbiased,
+the residuals of acceleration and speed after regression on the instruments explain no more of the
+force.
 
 References
 ----------

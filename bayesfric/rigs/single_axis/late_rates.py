@@ -1,4 +1,4 @@
-"""Rates of a force that acts later than the log has it, or follows its command with a lag."""
+"""Rates of change of a force that acts later than logged, or follows its command with a lag."""
 
 import numpy as np
 import scipy

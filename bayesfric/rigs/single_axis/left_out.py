@@ -1,4 +1,4 @@
-"""Which runs of a log do not enter, by which rule, with its numbers."""
+"""Which runs of a log are not used, and by which rule, with its numbers."""
 
 from collections.abc import Iterator
 
@@ -19,7 +19,7 @@ WINDOW = 2 * AXIS_RULES.narrowest + 1  # samples of the narrowest window
 
 
 def not_modelled(axis: Axis, constants: RigConstants) -> list[Fault]:
-    """Return what of a log no model here takes, and without which the answer would be wrong.
+    """Return contents of a log that no model describes and that would make the result wrong.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def not_modelled(axis: Axis, constants: RigConstants) -> list[Fault]:
 
 
 def left_out(axis: Axis, constants: RigConstants) -> list[Fault]:
-    """Return why runs do not enter: what is there, and what a run needs.
+    """Return why runs are not used: what they contain, and what a run needs.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def _log(samples: pd.DataFrame) -> EvenLog | None:
 
 
 def _longest(log: EvenLog, noise: float) -> int:
-    """Return the most samples in a row during which it is known that the axis runs one way."""
+    """Return the most consecutive samples with one known direction."""
     way = smooth_motion(log, SMOOTHED, noise)[2]
     edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
     lengths = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)

@@ -1,9 +1,8 @@
-"""The force beyond which a drive gives less, looked for in what the motion answers to.
+"""Finds the limit of the drive force from the response of the motion.
 
-A law that is read as a force has the command on its left side, and a loss beyond a limit takes
-what it explains from the command itself: with a limit below all commands, and no mass, it
-explains everything. What moves the axis is told by the other way round: acceleration, as a
-function of the command, is a line with a kink at the limit.
+In a regression of the commanded force, a loss beyond a limit explains part of its own response:
+a limit below all commands, with no mass, explains everything. Therefore acceleration is regressed
+on the command: it is a line with a kink at the limit.
 """
 
 from collections.abc import Sequence
@@ -28,16 +27,16 @@ LINE = 4  # numbers of the line: by force, constant, by its rate and by speed
 
 
 class Limit(NamedTuple):
-    """A kink, looked for in rows that know of none.
+    """A kink, estimated from rows that were computed without a limit.
 
     Parameters
     ----------
     force : float
-        Where it is [N]; beyond all commands where there is none.
+        Force at the kink [N]; above all commands if there is none.
     explained : float
-        Part of what a line without a kink leaves of the acceleration, squared, that it explains.
+        Part of the squared residual of a line without a kink that the kink explains.
     tried : int
-        Among how many limits it was looked for.
+        Number of limits that were tried.
     error : float
         Relative standard error.
     """
@@ -49,13 +48,13 @@ class Limit(NamedTuple):
 
     @property
     def there(self) -> bool:
-        """Whether the drive has one: it explains what nothing else that bends the line does."""
+        """Whether the drive has a limit: the kink explains enough of the residual."""
         return self.explained > AXIS_RULES.limit_explained
 
     def within(self, readings: Readings) -> Flags:
-        """Return whether all of what a row commands lies within the limit, (W,).
+        """Return whether all commands of a row lie within the limit, (W,).
 
-        All rows do where there is none, or where it leaves too few.
+        All rows count as within it if there is no limit, or if too few rows would remain.
         """
         inside = np.abs(readings.drive).max(axis=1) < self.force
         return np.asarray(inside | (not self.there or inside.sum() < AXIS_RULES.limit_least_rows))
@@ -111,7 +110,7 @@ def drive_limit(readings: Readings) -> Limit:
     width = np.maximum(np.abs(line).max(axis=0), 1e-300)
 
     def left(limit: float) -> float:
-        """Return the squares that a loss leaves; infinite where it makes no sense."""
+        """Return the sum of squared residuals with a loss; infinite if it is not feasible."""
         lost = (toward * np.maximum(size - limit, 0.0)) @ readings.weights
         most = float(np.abs(lost).max()) or 1.0
         design = np.column_stack([line / width, lost / most])

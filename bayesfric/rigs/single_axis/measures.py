@@ -1,4 +1,4 @@
-"""An axis' own measures: priors that were argued for a board, as wide for this machine.
+"""Typical values of an axis, by which priors for the paper's boards are rescaled.
 
 A prior in metres or in newtons was argued for a board of 0.6 m travel, 1.3 m/s, about 1 N of
 friction and 1 kg. On an axis of any size the same shares of its own stroke, top speed, friction
@@ -103,7 +103,7 @@ class Measures:
         return over_stiffness(turned) if self.relative else turned
 
     def scale(self, unit: str) -> float:
-        """Return by what a value in a unit is larger here than on the board."""
+        """Return the ratio of typical values in a unit between this axis and the board."""
         length, speed = self.stroke / BOARD_M, self.speed / BOARD_M_S
         force, mass = self.friction, self.mass
         scales = {
@@ -123,7 +123,7 @@ class Measures:
         return scales.get(unit, 1.0)
 
     def effect(self, effect: Effect) -> Effect:
-        """Return an effect with priors in these measures."""
+        """Return an effect with rescaled priors."""
         if effect.needs & PULLING and self.pull:
             # What pulls towards a place is counted in what pulls here, not in friction. Of a
             # weight, which pulls with a sine, a small swing shows a part.

@@ -1,11 +1,10 @@
-"""Logs whose force has nothing of the joint's friction: a relay, a hand, the other sign.
+"""Detects logs whose force does not contain the joint's friction: a relay, a hand, a wrong sign.
 
-A controller that feeds a free swing pushes with one size along the speed. Least squares then
-explain all of the force by Coulomb friction, without inertia and without weight, and leave
-nothing. A joint that a hand moves while its drive bears the weight alone has a force by the place
-alone, as if it had neither inertia nor friction. Of both the fit is perfect, and wrong. A force
-with the other sign pulls back where the joint runs on: friction, and often inertia, come out below
-0, where no law has them.
+A controller that sustains a free swing pushes with a constant force along the velocity. Least
+squares then explain the whole force by Coulomb friction, without inertia and weight. If a hand
+moves a joint whose drive only carries the weight, the force depends on position alone, as if there
+were neither inertia nor friction. In both cases the fit is perfect, and wrong. With a wrong sign of
+the force, friction, and often inertia, are estimated below 0, which is impossible.
 """
 
 from dataclasses import replace
@@ -24,14 +23,14 @@ SURELY = 4.0  # standard errors
 
 
 class MovedOtherwise(NamedTuple):
-    """Why the force of a log tells no number of the joint's law.
+    """Why the force of a log does not determine the joint's law.
 
     Parameters
     ----------
     why : str
-        In a few words.
+        The reason in a few words.
     advice : str
-        The same as a reader is told, with what to record.
+        The reason for the reader, with advice on what to record.
     """
 
     why: str
@@ -61,7 +60,7 @@ BACKWARDS = MovedOtherwise(
 
 
 def moved_otherwise(readings: Readings, measures: Measures, inside: Flags) -> MovedOtherwise | None:
-    """Return why the force says nothing of friction; None where it may.
+    """Return why the force has no information on friction; None if it may have.
 
     Parameters
     ----------
@@ -82,24 +81,24 @@ def moved_otherwise(readings: Readings, measures: Measures, inside: Flags) -> Mo
     size = float(np.sqrt(np.mean((readings.drive @ readings.weights) ** 2)))
     if max(moved, friction) >= AXIS_RULES.no_friction * size:
         return None
-    # No number of the rough law is below 0: only the force's reverse shows those that would be.
+    # Numbers of the rough law are never below 0; negative ones show in the reversed force.
     reverse = _law_forces(replace(readings, force=-force), measures, inside)
     return BY_HAND if max(reverse) < AXIS_RULES.no_friction * size else BACKWARDS
 
 
 def _law_forces(readings: Readings, measures: Measures, inside: Flags) -> tuple[float, float]:
-    """Return what inertia and friction make of the force, by the rough law."""
+    """Return the forces of inertia and friction by the rough law."""
     rough = rough_law_of(readings, inside)
     friction = rough.coulomb + rough.viscous * measures.speed
     return rough.mass * measures.acceleration, friction
 
 
 def works_backwards(readings: Readings) -> bool:
-    """Return whether friction is surely below 0 by least squares, and inertia not above it.
+    """Return whether least squares give friction, and possibly inertia, certainly below 0.
 
-    What else acts on a joint, as the pull of others, makes errors that neighbouring windows
-    share. So friction alone is believed only by the scatter of whole stretches; by the scatter of
-    windows it is where inertia is below 0 too.
+    Other forces on a joint make errors that neighbouring windows share. If friction alone is
+    negative, its error must come from the scatter of whole stretches. If inertia is negative too,
+    the scatter of windows is enough.
 
     Parameters
     ----------
@@ -132,6 +131,6 @@ def works_backwards(readings: Readings) -> bool:
 
 
 def _in_errors(weights: Array, numbers: Array, covariance: Array) -> float:
-    """Return a sum of numbers over its standard error; 0 where nothing is known of it."""
+    """Return a sum of numbers over its standard error; 0 if the error is unknown."""
     variance = float(weights @ covariance @ weights)
     return float(weights @ numbers) / variance**0.5 if variance > 0 else 0.0

@@ -1,9 +1,9 @@
-"""By how long the force of a log stands at another time than the one at which it acted.
+"""Corrects a time offset between force and position in a log.
 
-Telemetry that reads position and force by different ways, or two logs that were joined, leave a
-force that is late or early by up to a second. No drive is late by as much, so that it says
-nothing of the machine: the force is set right before anything else is made of it, and said. What
-a drive itself may be late by is left to the effects that know it.
+If position and force are read by different channels, or two logs were joined, the force can be late
+or early by up to a second. No drive has such a delay, so this is no property of the machine. The
+force is shifted before any analysis, and the shift is reported. Smaller delays, which a drive can
+have, are left to effects.
 """
 
 from collections.abc import Iterable, Sequence
@@ -39,7 +39,7 @@ ROWS = 1500  # that tell it
 
 
 def margin_s(interval_s: float) -> float:
-    """Return by how much the clocks of force and position may be off, a standard deviation [s].
+    """Return the prior standard deviation of the offset between the clocks [s].
 
     Parameters
     ----------
@@ -50,17 +50,17 @@ def margin_s(interval_s: float) -> float:
 
 
 class OnTime(NamedTuple):
-    """Runs whose force stands at the time at which it acted.
+    """Runs whose force has been shifted to the time at which it acted.
 
     Parameters
     ----------
     logs : tuple of EvenLog
         The runs.
     late_s : float
-        By how much the force was moved: it acts so much later than it was logged, or, below 0,
-        earlier [s]; 0 where nothing was done.
+        Shift of the force [s]: positive if it acts later than logged, negative if earlier, 0
+        without a shift.
     why_refused : str or None
-        Why no law can be told of these runs; None where one can.
+        Why no law can be estimated from these runs; None if one can.
     """
 
     logs: tuple[EvenLog, ...]
@@ -69,7 +69,7 @@ class OnTime(NamedTuple):
 
 
 def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) -> OnTime:
-    """Return runs with their force set right, where it is clearly late or early.
+    """Return runs with their force shifted, if it is clearly late or early.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) 
 
 
 def _moved(log: EvenLog, late_s: float) -> EvenLog:
-    """Return a run whose force stands where it acts; where no force is known nothing is."""
+    """Return a run with its force shifted; samples without a force become unknown."""
     place = np.arange(log.force.size) - late_s / log.interval_s
     force = np.interp(place, np.arange(log.force.size), log.force)
     inside = (place >= 0) & (place <= log.force.size - 1)
@@ -120,7 +120,7 @@ def _moved(log: EvenLog, late_s: float) -> EvenLog:
 
 
 class _Squares(NamedTuple):
-    """What a rough law leaves of the force, moved by any time.
+    """Residual squares of a rough law as a function of the force's time shift.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ class _Squares(NamedTuple):
 
     @classmethod
     def of(cls, logs: Sequence[EvenLog], resolution: float | None) -> "_Squares | None":
-        """Lay rows out whose windows stay inside of their runs however the force is moved."""
+        """Return rows whose windows stay inside their runs for every shift of the force."""
         noise = position_sd(logs, resolution)
         half_s = widest_half_s(logs, noise)
         stroke = max(float(np.ptp(log.position)) for log in logs)
@@ -168,14 +168,14 @@ class _Squares(NamedTuple):
         return cls(tuple(means), np.linalg.qr(columns / width)[0], reach_s)
 
     def delayed(self, late_s: float) -> float:
-        """Return the squares that are left where the force acts so much later than logged."""
+        """Return the residual squares if the force acts later than logged by `late_s`."""
         return self._left(
             _mean_at(log.force, value, centre - late_s / log.interval_s)
             for log, value, centre, _, _ in self.means
         )
 
     def lagging(self, time_s: float) -> float:
-        """Return the squares that are left where the drive follows with a time constant."""
+        """Return the residual squares if the drive follows with a time constant."""
         return self._left(
             _mean_at(following(log.force, max(time_s / log.interval_s, 1.0)), value, centre)
             for log, value, centre, _, _ in self.means

@@ -1,4 +1,4 @@
-"""What the other joints of a machine, and its model, say of the drive force of one joint.
+"""Forces on a joint by other joints of the machine, and by the machine's model.
 
 With a model p and r of the joint (:mod:`bayesfric.robots.dynamics`) give the known part of the
 drive force, −∫ φ' p − ∫ φ r, and the errors of its links give forces of unknown amounts. Without
@@ -69,7 +69,7 @@ class Machine:
 
     @property
     def other_joints(self) -> Literal["still", "logged", "moving", "unknown"]:
-        """What other joints did: as somebody says, else by what is in the log."""
+        """State of other joints: as declared, otherwise from the log."""
         declared = self.constants.other_joints
         if declared in ("still", "logged", "moving"):
             return cast(Literal["still", "logged", "moving"], declared)
@@ -85,7 +85,7 @@ class Machine:
         return {"armature": own.armature, "coulomb": own.frictionloss, "viscous": own.damping[0]}
 
     def amounts_before(self) -> ModelAmounts:
-        """Return what is believed of the errors of the model before any data.
+        """Return the prior of the errors of the model.
 
         What payloads add moves no number of the model.
         """
@@ -101,9 +101,9 @@ class Machine:
         return ModelAmounts(np.zeros(count), np.eye(count), root, numbers, names)
 
     def around(self, log: EvenLog, run: str) -> EvenLog | None:
-        """Return a run with what the machine's model, other joints and payloads say of its force.
+        """Return a run with forces of the machine's model, other joints and payloads.
 
-        None where another joint has no log of that run.
+        None if another joint has no log of this run.
         """
         others = self._others_in(run)
         if others is None:

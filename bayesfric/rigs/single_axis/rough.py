@@ -1,4 +1,4 @@
-"""Mass and friction of an axis by plain least squares: what windows and priors are laid out by."""
+"""Mass and friction of an axis by least squares, from which windows and priors are chosen."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,7 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 
-POWERS = 6  # of the place, that what pulls towards one is told by
+POWERS = 6  # number of polynomials of the position for position-dependent forces
 SINGULAR = 1e-6
 HALF_A_TURN = 0.5 * float(np.pi)  # to either side [rad], over which powers follow a sine
 
@@ -20,8 +20,8 @@ class RoughLaw(NamedTuple):
     mass, coulomb, viscous : float
         [kg, N and N s/m; kg·m², N·m and N·m s/rad where the axis turns].
     pull : float
-        Rms of the force that goes with the place, as gravity and springs make it; 0 where it
-        takes little of the force [N].
+        Rms of the position-dependent force, as of gravity and springs; 0 if it is a small part
+        of the force [N].
     """
 
     mass: float
@@ -46,7 +46,8 @@ def pull_columns(position: Array, way: Array) -> Array:
 def pull_basis(position: Array, middle: float, half: float) -> Array:
     """Return functions of the place, the first of them constant, shape (W, m).
 
-    Powers tell what pulls over a part of a turn; over more, a weight pulls with a sine.
+    Polynomials describe these forces over a part of a turn. Over more, the sine and cosine of a
+    weight are added.
 
     Parameters
     ----------
@@ -66,8 +67,8 @@ def rough_law(
 ) -> RoughLaw:
     """Return mass, Coulomb and viscous friction by least squares.
 
-    Without gravity or a spring in the law, what they pull with is taken for mass with the wrong
-    sign: an axis that swings runs against them.
+    Without gravity or a spring in the law, their force would be taken for a negative mass, because
+    a swinging axis accelerates against its displacement.
 
     Parameters
     ----------
@@ -96,7 +97,7 @@ def _law(numbers: Array, pull: float = 0.0) -> RoughLaw:
 
 
 def _positive(columns: Array, force: Array) -> tuple[Array, float]:
-    """Return least squares in which viscous friction is not below 0, and what squares are left.
+    """Return least squares with viscous friction not below 0, and the residual squares.
 
     Mass and Coulomb friction below 0 are set to 0 at the end, and the rest stands.
     """

@@ -1,4 +1,4 @@
-"""A log of a servo's commands: how far the joint is from them, in the place of a force.
+"""Converts a log of a servo's commands to a force: the lag of the joint behind them.
 
 A servo that is told where to be drives with K (q_ref(t − d) − q) − D q̇, whose gains and delay
 nobody logged. Of unknown stiffness K everything is told over K: the force is then the error of
@@ -36,7 +36,7 @@ def force_of_commands(samples: pd.DataFrame, constants: RigConstants) -> pd.Data
 
 
 def commanded(log: EvenLog, constants: RigConstants) -> EvenLog:
-    """Return a run whose force is the command as one in which it is what the servo makes of it.
+    """Return a run with the servo's force instead of its command.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How wide the windows of a recording are, and roughly by how much its force is late."""
+"""The width of the windows of a recording, and a rough delay of its force."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -51,7 +51,7 @@ def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[
 
 
 def _told_best(tried: Sequence[tuple[float, float]], widest: float) -> float:
-    """Return the width by which the acceleration is told, the narrowest where none tells it."""
+    """Return the width that determines the acceleration best; the narrowest if none does."""
     if not tried:
         return widest
     best, share = min(tried, key=lambda width: width[1])
@@ -146,7 +146,7 @@ def joined(rows: Sequence[dict[str, Array]], name: str) -> Array:
 
 
 def late_by(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> float:
-    """Return by how much the force acts later than the log has it, roughly [s]."""
+    """Return a rough delay of the force relative to the log [s]."""
     late_s, logs = 0.0, [replace(log, beside=()) for log in logs]
     for _ in range(2):
         rows = []

@@ -1,4 +1,4 @@
-"""What the data say of candidates at a noise, kept where many hypotheses start from it."""
+"""Caches the data's information on all candidates at recent noise parameters."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -8,12 +8,12 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.inference.information import Information
 
-KEPT = 4  # noises
+KEPT = 4  # sets of noise parameters in the cache
 
 
 @dataclass
-class Said:
-    """Information on numbers, all candidates among them, at the last few noises."""
+class InformationCache:
+    """Cache of the information on all numbers and candidates, by noise parameters."""
 
     _kept: dict[bytes, Information] = field(default_factory=dict)
 
@@ -25,23 +25,23 @@ class Said:
         first: int,
         computed: Callable[[Sequence[int]], Information],
     ) -> Information:
-        """Return the information with some candidates, in their order.
+        """Return the information on the numbers with some of the candidates, in their order.
 
-        Whatever is asked for, all candidates are computed: with fewer, sums would be rounded
-        another way, and an answer would hang on what was asked before it.
+        All candidates are always computed. With fewer, sums would be rounded differently, and a
+        result would depend on earlier calls.
 
         Parameters
         ----------
         psi : ndarray
-            Logarithms of the noise.
+            Logarithms of the noise parameters.
         places : sequence of int
             The candidates.
         count : int
             How many candidates there are.
         first : int
-            Number at which the candidates begin.
+            Position of the first candidate among the numbers.
         computed : callable
-            Of candidates, to the information there.
+            Function of candidates that computes the information with them.
         """
         key = psi.tobytes()
         if key not in self._kept:
