@@ -1,1 +1,1 @@
-"""Densities, their modes, draws and evidence; nothing here knows what friction is."""
+"""Densities, their modes, draws and evidences; no file of this folder refers to friction."""

@@ -1,4 +1,4 @@
-"""Errors of least squares whose residuals hang together within groups of rows."""
+"""Errors of least squares with residuals that are correlated within groups of rows."""
 
 import numpy as np
 
@@ -35,7 +35,7 @@ def clustered_covariance(design: Array, residuals: Array, groups: Whole, inverse
     design : ndarray, shape (W, k)
         Regressors.
     residuals : ndarray, shape (W,)
-        What the fit leaves.
+        Residuals of the fit.
     groups : ndarray of int, shape (W,)
         Group of each row, from 0 to G − 1.
     inverse : ndarray, shape (k, k)

@@ -1,4 +1,4 @@
-"""Measurements in groups: one normal, taken apart so that it stays cheap.
+"""The joint normal density of measurements in groups, computed group by group.
 
 The M measurements have the covariance
 
@@ -149,18 +149,18 @@ class GroupedNormal(Grouped):
         return np.asarray(0.5 * (np.log(precision) - LOG_2PI - score**2 / precision))
 
     def single_cdf(self, sign: Array | float = 1.0) -> Array:
-        """Return the probability of less of each measurement given all others, shape (W, M).
+        """Return the CDF of each measurement at its value given all others, shape (W, M).
 
         Parameters
         ----------
         sign : ndarray, shape (M,), or float
-            −1 where more counts as less.
+            −1 for a measurement whose order is reversed, else 1.
         """
         score, precision = self._given_the_rest
         return np.asarray(ndtr(sign * (score / np.sqrt(precision))))
 
     def group_cdf(self) -> Array:
-        """Return the probability of less of each group's first number, given all other groups.
+        """Return the CDF of each group's first number at its value, given all other groups.
 
         It is that of ``uᵀ r`` in the metric of the group's precision given the others, u being
         what the first number moves.
@@ -168,7 +168,7 @@ class GroupedNormal(Grouped):
         Returns
         -------
         ndarray, shape (W, G)
-            NaN for a group that this number does not move.
+            NaN for a group without an influence of this number.
         """
         own, shared = list(self.moved), self._shared
         columns = [*own, *self._curve, self.moved[0], self.residual]
@@ -187,7 +187,7 @@ class GroupedNormal(Grouped):
             return np.asarray(ndtr(np.where(square > 0, score / np.sqrt(square), np.nan)))
 
     def draw_again(self, rng: np.random.Generator) -> Array:
-        """Draw a new value of each measurement given all others, less its own value, (W, M).
+        """Draw a replicate of each measurement given all others, minus its own value, (W, M).
 
         Parameters
         ----------
@@ -198,7 +198,7 @@ class GroupedNormal(Grouped):
         return np.asarray(rng.standard_normal(score.shape) / np.sqrt(precision) - score / precision)
 
     def numbers(self) -> tuple[Array, Array]:
-        """Return the posterior of each group's own numbers, where no curve is shared.
+        """Return the posterior of each group's own numbers, without a shared curve.
 
         Returns
         -------

@@ -43,12 +43,12 @@ class HeavyGroups(Grouped):
         return log_density_given(self._group[..., self.groups.of_each], self._single)
 
     def single_cdf(self) -> Array:
-        """Return the probability of less of each measurement given its group's others, (W, M)."""
+        """Return the CDF of each measurement at its value given its group's others, (W, M)."""
         below = np.stack([normal.single_cdf() for normal in self._normals])
         return np.asarray((self._given_the_rest() * below).sum(axis=0))
 
     def draw_again(self, rng: np.random.Generator) -> Array:
-        """Draw a new value of each measurement given all others, less its own value, (W, M).
+        """Draw a replicate of each measurement given all others, minus its own value, (W, M).
 
         Parameters
         ----------
@@ -78,7 +78,7 @@ class HeavyGroups(Grouped):
 
     @cached_property
     def _group(self) -> Array:
-        """Log density of each group and node, weighed, shape (Q, W, G)."""
+        """Weighted log density of each group and node, shape (Q, W, G)."""
         width, log_weight = self._nodes
         form = gram([*self.moved, self.residual], 1 / self.variance, self.groups.total)
         form = np.broadcast_to(form[:, None], (len(form), len(width), *form.shape[1:]))

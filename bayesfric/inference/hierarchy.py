@@ -42,7 +42,7 @@ class NormalBoard:
     root : ndarray, shape (D, D)
         Lower triangular, with the covariance as its square, likewise.
     likely : ndarray, shape (K,)
-        Where the likelihood of the coefficients has its top.
+        Maximum of the likelihood of the coefficients.
     precision_root : ndarray, shape (K, K)
         G, with G Gᵀ the precision of that likelihood.
     """
@@ -142,7 +142,7 @@ class NormalBoard:
         student = normal * far
         x = np.empty_like(student)
         x[..., :count] = centre[:, None] + np.einsum("wij,wtj->wti", near, student[..., :count])
-        # The rest follows the coefficients as it does in the board's own posterior.
+        # Other parameters depend on the coefficients as in the board's own posterior.
         along = self.root[count:, :count] @ np.linalg.inv(self.root[:count, :count])
         own = INFLATION**0.5 * self.root[count:, count:]
         x[..., count:] = (

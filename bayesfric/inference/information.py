@@ -14,7 +14,7 @@ from scipy.linalg.lapack import dpotri
 
 from bayesfric.arrays import Array, Whole
 
-ROUNDED = 1e-12  # of the largest eigenvalue, that rounding may take off the least
+ROUNDED = 1e-12  # relative to the largest eigenvalue: rounding error of the least one
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Information:
     constant: float
 
     def __add__(self, other: "Information") -> "Information":
-        """Return the information of independent data together."""
+        """Return the joint information of two independent data sets."""
         return Information(
             self.precision + other.precision,
             self.slope + other.slope,
@@ -63,19 +63,19 @@ class Information:
         )
 
     def at(self, numbers: Whole) -> "Information":
-        """Return the information where all other numbers are 0."""
+        """Return the information on some numbers, with all others fixed at 0."""
         chosen = self.precision[np.ix_(numbers, numbers)]
         return Information(chosen, self.slope[numbers], self.constant)
 
     def mixed(self, numbers: Whole, mixing: Array) -> "Information":
-        """Return the information on mixtures in the place of numbers next to each other.
+        """Return the information with adjacent numbers replaced by coefficients of combinations.
 
         Parameters
         ----------
         numbers : ndarray of int, shape (n,)
-            Their places.
+            Positions of the adjacent numbers.
         mixing : ndarray, shape (n, k)
-            Each mixture a column.
+            One combination in each column.
         """
         start = int(numbers[0]) if numbers.size else 0
         stop = start + numbers.size
@@ -115,7 +115,7 @@ class Information:
         )
 
     def integrated(self, mean: Array, prior_sd: Array) -> tuple[float, Array, Array]:
-        """Return the log evidence, and mean and covariance of all numbers given the data."""
+        """Return the log evidence, and the posterior mean and covariance of all numbers."""
         whole = prior_sd[:, None] * self.precision * prior_sd + np.eye(self.slope.size)
         factor = _factor(whole)
         left = self.precision @ mean
@@ -138,11 +138,11 @@ class Information:
 
 
 def _factor(whole: Array) -> tuple[Array, bool]:
-    """Return the Cholesky factor of information beside a prior of 1: no eigenvalue is less.
+    """Return the Cholesky factor of a precision that includes a unit prior, and a flag.
 
-    Where almost all of 10¹⁴ is taken off again, as at the ends of the noise that a climb tries,
-    rounding leaves some below; they are set to what the prior alone would have, or, where the
-    largest are so large that rounding hides this, to what it leaves of them.
+    No exact eigenvalue is below 1. At extreme noise parameters nearly all of 10¹⁴ cancels, and
+    rounding can leave eigenvalues below 1. They are set to 1 or, if the largest eigenvalue is
+    so large that this is below its rounding error, to that error.
     """
     try:
         return cho_factor(whole, lower=True)

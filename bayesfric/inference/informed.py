@@ -11,11 +11,11 @@ LEAST_CURVATURE = (
     1e-3  # least curvature of a direction: flatter ones differ by finite differences only
 )
 LINEAR_STEP = 1e-5  # of a prior's width, over which a change of coordinates is linear
-SOME = 500  # draws, of which the most probable is near the mode
+SOME = 500  # draws, the most probable of which is near the mode
 
 
 def informed_by_data(model: Model, draws: Array) -> NDArray[np.bool_]:
-    """Return whether the data pin each parameter down better than its prior does.
+    """Return whether the data determine each parameter better than its prior does.
 
     From the curvature of the log likelihood, in units of the priors' widths. Of the
     coefficients the data alone are asked, all else at its prior: a direction of theirs that
@@ -42,7 +42,7 @@ def informed_by_data(model: Model, draws: Array) -> NDArray[np.bool_]:
     slope = (near - top) / (LINEAR_STEP * unit)
 
     def log_likelihood(points: Array) -> Array:
-        # Coefficients move on a straight line: along a curved one a slope passes for curvature.
+        # Coefficients move on a straight line: along a curve, a slope would look like curvature.
         theta = model.natural(points)
         return model.log_likelihood(np.where(own, top + slope * (points - z), theta))
 

@@ -1,7 +1,7 @@
 """The mode of a log density and the normal distribution around it.
 
-Knows nothing of friction: a function of points (W, D) to log densities (W,), and a
-start. Derivatives are central differences, all points of one Hessian in one call.
+The input is a function of points (W, D) that returns log densities (W,), and a start. Derivatives
+are central differences; all points of a Hessian are evaluated in one call.
 """
 
 from collections.abc import Callable

@@ -31,13 +31,12 @@ class GivenRest(NamedTuple):
     trial, setup : ndarray, shape (W, N) and (W, J)
         Log density of each given the rest.
     trial_cdf : ndarray, shape (W, N)
-        Probability of less friction than each trial's.
+        CDF of each trial's friction at its value, given all others.
     setup_cdf : ndarray, shape (W, J)
-        Probability of less friction than each assembly's; NaN of one that has none, or
-        where its scatter is not normal.
+        The same for each assembly; NaN if it has none, or if its scatter is not normal.
     more : ndarray, shape (W, N)
-        By how much more friction each trial would show if it alone were made again [N], in the
-        unit of :meth:`RigLikelihood.draw_observed`; shape (W, 0) where none was asked for.
+        Replicated minus measured friction of each trial given all others [N], in the unit of
+        :meth:`RigLikelihood.draw_observed`; shape (W, 0) without replicates.
     """
 
     trial: Array
@@ -52,7 +51,7 @@ class RigLikelihood(Protocol):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """What it depends on; rigs share a parameter by its name."""
+        """Parameters of the likelihood; rigs share parameters of the same name."""
 
     @property
     def setups(self) -> tuple[str, ...]:
@@ -77,7 +76,7 @@ class RigLikelihood(Protocol):
         """Return friction as measured, given its relative scatter, both of shape (…, W, N)."""
 
     def start(self) -> dict[str, float]:
-        """Return rough estimates of its parameters."""
+        """Return starting values of its parameters."""
 
     def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return the log density of its raw data, shape (W,)."""
@@ -90,11 +89,11 @@ class RigLikelihood(Protocol):
     ) -> GivenRest:
         """Return densities and probabilities of each trial and group given the rest.
 
-        With a generator each trial is also made again.
+        With a generator, a replicate of each trial is drawn too.
         """
 
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return the probability of less friction than each trial's, of recordings made again.
+        """Return CDF values of the trials of replicated recordings.
 
         One for each set of parameters, shape (W, N).
         """
@@ -167,7 +166,7 @@ class Model:
         return z
 
     def _as_shares(self, theta: Array) -> Array:
-        """Return what the priors are densities of, shape (…, D)."""
+        """Return the quantities whose densities the priors are, shape (…, D)."""
         if not self._shares:
             return theta
         values = theta.copy()
@@ -279,7 +278,7 @@ class Model:
         return np.where(np.isnan(density), -np.inf, density)
 
     def start(self) -> Array:
-        """Return a sampling-space point to climb from, shape (D,)."""
+        """Return a starting point in the sampling space, shape (D,)."""
         estimates: dict[str, float] = {}
         for rig in reversed(self.likelihoods):  # the first rig's values replace those of later rigs
             estimates |= rig.start()

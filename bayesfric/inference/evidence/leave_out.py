@@ -76,7 +76,7 @@ class Refit:
 
 
 class Without(NamedTuple):
-    """Weights that make draws of the posterior draws as if they had not seen a group.
+    """Weights that turn posterior draws into draws of the posterior without a group.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class ELPD:
     pareto_k : ndarray, shape (G,)
         Shape of the tail of each one's weights.
     refitted : ndarray of bool, shape (G,)
-        Which come from an exact refit.
+        Which groups have an exact refit.
     limit_k : float
         Largest `pareto_k` that is reliable with this number of draws.
     """
@@ -139,7 +139,7 @@ class Difference:
     Parameters
     ----------
     elpd : float
-        First less second [nat].
+        First minus second [nat].
     se : float
         Paired standard error; inf for a single group.
     unreliable : tuple of str
@@ -229,7 +229,7 @@ def difference(first: ELPD, second: ELPD) -> Difference:
     Returns
     -------
     Difference
-        Positive where the first predicts better.
+        Positive if the first predicts better.
 
     Raises
     ------
