@@ -10,7 +10,7 @@ through the positions of two windows leaves. A parabola leaves motion too, whose
 
 A controller filters the speed, so its answer decays over many samples by a constant factor per
 sample. The answer to a slow error is the small difference of large early and late parts. If the
-decay is cut off, the rate keeps errors as slow as a window, and inertia is biased: by 0.4 % of a
+decay is cut off, the rate keeps errors as slow as a window, and inertia is biased: by 0.3 % of a
 joint at 500 Hz with counts of 0.4 mrad, whose filter keeps 0.64 of the speed before.
 """
 
@@ -101,8 +101,9 @@ def _answer(log: EvenLog, errors: Array, wide: int) -> _Answer | None:
     def left(kept: float) -> float:
         return _answered_with(kept, errors / scale, force, ends)[1]
 
-    bounds, exactly = (0.0, MOST_KEPT), {"xatol": KEPT_TO}
-    found = scipy.optimize.minimize_scalar(left, bounds=bounds, method="bounded", options=exactly)
+    found = scipy.optimize.minimize_scalar(
+        left, bounds=(0.0, MOST_KEPT), method="bounded", options={"xatol": KEPT_TO}
+    )
     # A bounded search never ends at its bound, where nothing is kept.
     kept = min((0.0, float(found.x)), key=left)
     return _Answer(_answered_with(kept, errors / scale, force, ends)[0] / scale, kept)
