@@ -98,7 +98,7 @@ def test_what_a_filtered_speed_answers_slowly_is_taken_away_too(kept):
     # Errors slower than two windows are motion to the polynomial through them.
     errors_told = errors - local_polynomial(errors, 2 * half, 4)
     wanted = np.convolve(force - answer(errors_told), kernel, "same")
-    found = np.convolve(without_answers(log, half, np.inf).force, kernel, "same")
+    quiet = np.convolve(without_answers(log, half, np.inf).force, kernel, "same")
     logged = np.convolve(force, kernel, "same")
     inside = slice(300, -300)
-    assert np.std((found - wanted)[inside]) < 0.05 * np.std((logged - wanted)[inside])
+    assert np.std((quiet - wanted)[inside]) < 0.05 * np.std((logged - wanted)[inside])

@@ -101,11 +101,11 @@ def _answer(log: EvenLog, errors: Array, wide: int) -> _Answer | None:
     def left(kept: float) -> float:
         return _answered_with(kept, errors / scale, force, ends)[1]
 
-    found = scipy.optimize.minimize_scalar(
+    nearest = scipy.optimize.minimize_scalar(
         left, bounds=(0.0, MOST_KEPT), method="bounded", options={"xatol": KEPT_TO}
     )
     # A bounded search never ends at its bound, where nothing is kept.
-    kept = min((0.0, float(found.x)), key=left)
+    kept = min((0.0, float(nearest.x)), key=left)
     return _Answer(_answered_with(kept, errors / scale, force, ends)[0] / scale, kept)
 
 
