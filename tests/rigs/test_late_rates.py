@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+import scipy
 
 from bayesfric.rigs.single_axis.answered import without_answers
-from bayesfric.rigs.single_axis.even_log import even_grid
+from bayesfric.rigs.single_axis.even_log import even_grid, local_polynomial
 from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.readings import readings_of
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
@@ -72,3 +73,32 @@ def test_what_a_loop_answers_to_motion_stays_in_the_force_that_tells_a_delay():
     inside = slice(200, -200)
     left = np.std((quiet.force - answer(place))[inside])
     assert left < 0.1 * np.std((force - answer(place))[inside])
+
+
+@pytest.mark.parametrize("kept", [0.0, 0.64, 0.9])
+def test_what_a_filtered_speed_answers_slowly_is_taken_away_too(kept):
+    """Under a window's slope: the answers that stay longest have the most part there.
+
+    The logged force has noise of its own, which no filter of the controller keeps.
+    """
+    rng = np.random.default_rng(3)
+    time, place = swinging(0.5, seconds=8.0)
+    errors = 1e-4 * rng.standard_normal(time.size)
+
+    def answer(read):
+        rate = np.diff(read, prepend=read[0]) / INTERVAL
+        speed = scipy.signal.lfilter([1 - kept], [1.0, -kept], rate)
+        return -4.0 * read - 0.6 * speed
+
+    noise = 1e-3 * rng.standard_normal(time.size)
+    force = answer(place + errors) + noise
+    log = even_grid(time, {"position": place + errors, "force": force})
+    half = 60
+    kernel = bump(half // 2, INTERVAL).slope
+    # Errors slower than two windows are motion to the polynomial through them.
+    errors_told = errors - local_polynomial(errors, 2 * half, 4)
+    wanted = np.convolve(force - answer(errors_told), kernel, "same")
+    quiet = np.convolve(without_answers(log, half, np.inf).force, kernel, "same")
+    logged = np.convolve(force, kernel, "same")
+    inside = slice(300, -300)
+    assert np.std((quiet - wanted)[inside]) < 0.05 * np.std((logged - wanted)[inside])
