@@ -133,6 +133,12 @@ def prose(written: str, *fields: Inline) -> list[Inline]:
     return [part for part in parts if part != ""]
 
 
+def with_code(meaning: str) -> list[Inline]:
+    """Return a meaning that the package has of a parameter, whose names in backticks are code."""
+    pieces = enumerate(meaning.split("`"))
+    return [Code(piece) if place % 2 else piece for place, piece in pieces if piece]
+
+
 def sentences(text: str) -> list[str]:
     """Return the sentences of what a result says, each of which ends in a full stop."""
     return SENTENCE_END.split(text)

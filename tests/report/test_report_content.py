@@ -22,6 +22,7 @@ from bayesfric.report.content import (
     prose,
 )
 from bayesfric.report.numbering import label_places
+from bayesfric.report.words import with_code
 
 
 def test_a_text_may_be_a_string_an_inline_or_a_sequence_of_both() -> None:
@@ -39,6 +40,11 @@ def test_marks_are_read_in_the_words_of_the_report_and_in_no_field() -> None:
     assert prose("{}{}", "", Code("a")) == [Code("a")]
     with pytest.raises(ValueError, match="more fields"):
         prose("{}", "a", "b")
+
+
+def test_names_in_backticks_of_a_meaning_are_code() -> None:
+    assert with_code("in `power`, by T") == ["in ", Code("power"), ", by T"]
+    assert with_code("slope") == ["slope"]
 
 
 def test_blocks_are_numbered_by_kind_and_headings_by_level() -> None:

@@ -23,6 +23,7 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import MISSING, error_cells, format_unit
+from bayesfric.report.words import with_code
 from bayesfric.schemas import DiagnosisFile, FitFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause, LawNumber
@@ -210,7 +211,9 @@ def _parameters(causes: Sequence[Cause], law: Mapping[str, LawNumber]) -> Iterat
         for name, number in cause.parameters.items():
             yield from (Code(f"{cause.effect}.{name}"), " ")
             yield Strong(f"{plus_minus(number)}\u202f{format_unit(number.unit)}".rstrip())
-            yield f": {meanings[name]}. " if name in meanings else ". "
+            if name in meanings:
+                yield from (": ", *with_code(meanings[name]))
+            yield ". "
 
 
 def fitted_numbers(fit: FitFile) -> dict[str, list[Text]]:
