@@ -28,7 +28,7 @@ class _Nodes(NamedTuple):
     half_width: float  # in standard deviations
 
 
-# The steps are 0.4, 0.1, 1 and 0.7 standard deviations: the rule converges exponentially.
+# Steps of 0.4, 0.93, 0.1 and 0.7 standard deviations: the rule converges exponentially.
 GROUP_NODES = {1: _Nodes(41, 8.0), 2: _Nodes(15, 6.5)}
 SINGLE_NODES = {1: _Nodes(161, 8.0), 2: _Nodes(21, 7.0)}
 

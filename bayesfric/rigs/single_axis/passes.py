@@ -62,7 +62,8 @@ def rests_of(position: Array, way: Array, interval_s: float) -> tuple[Array, Arr
     Returns
     -------
     dwell_s, since : ndarray, shape (N,)
-        Nothing before the first rest, and while it rests.
+        Duration of the last rest before the present motion [s], and the distance from it [m]; 0
+        before the first start, and the values of the motion before it during a rest.
     """
     moving = way != 0
     starts = np.flatnonzero(moving[1:] & ~moving[:-1]) + 1
