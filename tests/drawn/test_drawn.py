@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, event, given, seed, settings
 from report.diagnosis_sample import diagnosis, interval
 
-from bayesfric.diagnosis.checking import looked_at
+from bayesfric.diagnosis.checking import checked_diagnosis
 from drawn.kinds import KINDS, drawn_of
 from drawn.plans import PLANS, Drive, recording_of
 from drawn.through import answered, faults_are_told
@@ -67,16 +67,16 @@ def beside(before):
 def test_a_contradiction_that_is_told_is_an_answer_and_one_that_is_not_is_none():
     """The gap before is 1.4 % of friction."""
     wrong = beside(0.014)
-    assert faults_are_told(looked_at(wrong)).verdict == "undecided"
+    assert faults_are_told(checked_diagnosis(wrong)).verdict == "undecided"
     with pytest.raises(AssertionError, match="gap-is-measured"):
         faults_are_told(wrong)
-    in_silence = looked_at(wrong).model_copy(update={"attention": ()})
+    in_silence = checked_diagnosis(wrong).model_copy(update={"attention": ()})
     with pytest.raises(AssertionError, match="gap-is-measured"):
         faults_are_told(in_silence)
-    named = looked_at(wrong).model_copy(update={"verdict": "named"})
+    named = checked_diagnosis(wrong).model_copy(update={"verdict": "named"})
     with pytest.raises(AssertionError):
         faults_are_told(named)
-    assert faults_are_told(looked_at(beside(0.1))).verdict == "named"
+    assert faults_are_told(checked_diagnosis(beside(0.1))).verdict == "named"
 
 
 ODD = {
