@@ -114,20 +114,20 @@ def turning(other_prior):
 def test_along_one_shape_values_are_those_of_whole_matrices(which):
     laws, form = turning(LogNormal(median=1.0, sd_log=0.5))
     grid, shapes = np.linspace(-2.4, 2.4, 11), [0.3, -0.8, 0.0]
-    found = form._values_along(laws, shapes, which)(laws[which].weights(grid))
+    along = form._values_along(laws, shapes, which)(laws[which].weights(grid))
     whole = [np.array([shape]) for shape in shapes]
     whole[which] = grid
-    assert found == pytest.approx(form.values(laws, whole), abs=1e-10)
-    assert np.ptp(found) > 0.1
+    assert along == pytest.approx(form.values(laws, whole), abs=1e-10)
+    assert np.ptp(along) > 0.1
 
 
 def test_combinations_of_laws_at_once_are_each_as_alone():
     laws, form = turning(Normal(mean=0.5, sd=1.0))
     pairs, shapes = [laws[:2], laws[::2], laws[1:]], [(0.3, -0.8), (0.3, 0.0), (1.1, 0.0)]
-    found = form.each_value(pairs, shapes)
+    at_once = form.each_value(pairs, shapes)
     alone = [
         form.values(pair, [np.array([shape]) for shape in at])[0]
         for pair, at in zip(pairs, shapes, strict=True)
     ]
-    assert found == pytest.approx(alone, abs=1e-10)
-    assert np.ptp(found) > 0.1
+    assert at_once == pytest.approx(alone, abs=1e-10)
+    assert np.ptp(at_once) > 0.1

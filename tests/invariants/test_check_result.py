@@ -126,25 +126,25 @@ def test_a_diagnosis_that_contradicts_itself_concludes_nothing():
     wide = interval(0.099 * whole.gap.friction_rms, 0.001)
     low = interval(0.014 * whole.gap.friction_rms, 0.001)
     gap = whole.gap.model_copy(update={"systematic": wide, "before": low})
-    found = checked_diagnosis(whole.model_copy(update={"gap": gap}))
-    assert found.verdict == "undecided"
-    assert found.causes == ()
-    assert [cause.effect for cause in found.considered] == ["viscous"]
-    assert "contradicts itself" in found.sentence
-    assert "0.0724 N stands beside 0.0102 N" in found.sentence
-    assert any("gap-is-measured" in line for line in found.attention)
-    assert [check.check for check in found.checks if not check.holds] == ["gap-is-measured"]
+    checked = checked_diagnosis(whole.model_copy(update={"gap": gap}))
+    assert checked.verdict == "undecided"
+    assert checked.causes == ()
+    assert [cause.effect for cause in checked.considered] == ["viscous"]
+    assert "contradicts itself" in checked.sentence
+    assert "0.0724 N stands beside 0.0102 N" in checked.sentence
+    assert any("gap-is-measured" in line for line in checked.attention)
+    assert [check.check for check in checked.checks if not check.holds] == ["gap-is-measured"]
     # The file is one that can be read, and says the same of itself again.
-    again = type(found).model_validate_json(found.model_dump_json(by_alias=True))
-    assert checked_diagnosis(again).checks == found.checks
+    again = type(checked).model_validate_json(checked.model_dump_json(by_alias=True))
+    assert checked_diagnosis(again).checks == checked.checks
 
 
 def test_a_diagnosis_that_goes_together_is_left_as_it_is():
     whole = diagnosis()
-    found = checked_diagnosis(whole)
-    assert found.model_copy(update={"checks": ()}) == whole
-    assert len(found.checks) == len(RULES["diagnosis"])
-    assert all(check.holds and check.detail is None for check in found.checks)
+    checked = checked_diagnosis(whole)
+    assert checked.model_copy(update={"checks": ()}) == whole
+    assert len(checked.checks) == len(RULES["diagnosis"])
+    assert all(check.holds and check.detail is None for check in checked.checks)
 
 
 def test_the_report_tells_what_a_stored_file_breaks():

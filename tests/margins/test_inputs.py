@@ -94,10 +94,10 @@ def test_friction_is_never_negative():
     # c3 = −1e-3 at 300° says −0.2 of the tension; a pulley that rubs the other way it is not
     wild = Coefficients(np.array([0.0128]), np.array([0.0261]), np.array([-1e-3]))
     run = loop({"runs.0.wrap_angle_deg": 300}).runs[0]
-    found = run_friction(run, wild, *np.array([[1.0], [10.0], [1.0], [1.0]]))
-    assert found.nominal == pytest.approx(2 * 5 * 0.0261)
-    assert found.recursive == pytest.approx(2 * 5 * 0.0261)
-    assert found.efficiency == pytest.approx(1.0)
+    friction = run_friction(run, wild, *np.array([[1.0], [10.0], [1.0], [1.0]]))
+    assert friction.nominal == pytest.approx(2 * 5 * 0.0261)
+    assert friction.recursive == pytest.approx(2 * 5 * 0.0261)
+    assert friction.efficiency == pytest.approx(1.0)
     own = Coefficients(*(np.array([c]) for c in SMALL))
     none = run_friction(run, own, *np.array([[-1.0], [10.0], [1.0], [-1.0]]))
     assert none.nominal == 0.0

@@ -66,6 +66,6 @@ def test_of_many_paths_some_are_followed_evenly_in_rows_of_their_own():
     assert whole.thinned(7_600)[0] is whole
     followed, rows = whole.thinned(3_000)
     tried = np.ones(2), np.array([2e-3, 4e-3])
-    found = followed.side_by_side("play", 2.0, *tried, 0.05)
-    assert np.array_equal(found, whole.side_by_side("play", 2.0, *tried, 0.05)[:, rows])
+    thinned = followed.side_by_side("play", 2.0, *tried, 0.05)
+    assert np.array_equal(thinned, whole.side_by_side("play", 2.0, *tried, 0.05)[:, rows])
     assert rows.size == sum(path.centres.size for path in paths[::3])
