@@ -1,8 +1,7 @@
 """Odds and shares in the words of a claim's reason."""
 
-SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
-POWER_OF_TEN_FROM = 2.0  # log10, from which on odds are a power of ten
 LARGEST_LOG10 = 6.0  # log10, beyond which odds say more of the models than of the data
+ROUND_FROM = 10.0  # odds, from which on two digits are a whole number
 
 
 def odds(log10: float) -> str:
@@ -10,8 +9,9 @@ def odds(log10: float) -> str:
     size = abs(log10)
     if size > LARGEST_LOG10:
         return "more than 10⁶ to 1" if log10 > 0 else "less than 1 to 10⁶"
-    digits = "".join(SUPERSCRIPTS[int(digit)] for digit in str(round(size)))
-    number = f"{10**size:.2g}" if size < POWER_OF_TEN_FROM else f"10{digits}"
+    number = f"{10**size:.2g}"
+    if 10**size >= ROUND_FROM:
+        number = f"{float(number):,.0f}".replace(",", "\u202f")
     return f"{number} to 1" if log10 >= 0 else f"1 to {number}"
 
 

@@ -95,6 +95,15 @@ class Statement:
         return f"{two_digits(middle)} {gap.unit} rms ({share}% of friction)"
 
     @property
+    def extent(self) -> str:
+        """The gap in words, with what held-out data show where that is more."""
+        gap = self.gap
+        if gap.held_out_excess <= gap.systematic.q95:
+            return self.size
+        unseen = f"{two_digits(gap.held_out_excess)} {gap.unit} rms"
+        return f"{self.size} in the data of the fit, and of {unseen} in data that it has not seen"
+
+    @property
     def acting(self) -> str:
         """Words that the causes act."""
         return acting_words(self.causes, self.unseparated)
@@ -163,7 +172,7 @@ def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = 
             f"On data that the fit has not seen, adding {which} removes {_share(gap.shrink)} of "
             f"the gap (mean square{past})."
         )
-    if causes:
+    if causes and verdict != "no-gap":  # without a gap nothing is to be removed
         removes = "it removes" if len(causes) == 1 else "they remove"
         return (
             f"How much of the gap {removes} on data that the fit has not seen is unknown: "
@@ -173,12 +182,20 @@ def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = 
     off = f"On data that the fit has not seen the law is off by {before} {gap.unit} rms"
     if row.before.q50 <= row.floor.q50:
         return f"{off}, no more than scatter alone makes ({floor} {gap.unit} on average)."
-    sizes = f"{off}; scatter alone makes {floor} {gap.unit} on average"
     if row.below_floor <= 1 - RULES.above_floor:
-        return f"{sizes}, a difference that chance does not explain."
+        return (
+            f"{off}; scatter alone makes {floor} {gap.unit} on average, a difference that chance "
+            "does not explain."
+        )
     return (
-        f"{sizes}, and chance makes such a difference with probability {stated(row.below_floor)}."
+        f"On data that the fit has not seen the law is off by {_ends(row.before)} {gap.unit} rms; "
+        f"scatter alone makes {_ends(row.floor)} {gap.unit} rms (90% intervals). Chance may "
+        f"explain the difference (p = {stated(row.below_floor)})."
     )
+
+
+def _ends(interval: Interval) -> str:
+    return f"{two_digits(interval.q05)} to {two_digits(interval.q95)}"
 
 
 def _beside_the_model(measured: Interval, inferred: Interval, row: GapRow, unit: str) -> str:
@@ -240,7 +257,7 @@ def _undecided(statement: Statement) -> str:
             return (
                 f"{there} (its probability is {chance}): {statement.open_because}.{statement.place}"
             )
-        there = f"There is a gap of {statement.size} {statement.chance}"
+        there = f"There is a gap of {statement.extent} {statement.chance}"
         return f"{there}; its cause stays open: {statement.open_because}.{statement.place}"
     if statement.open_because is not None:
         names = " and ".join(effect.effect for effect in statement.considered)
@@ -260,7 +277,7 @@ def _undecided(statement: Statement) -> str:
             "the assumed scatter is wrong."
         )
     if not statement.causes and gap.systematic.q05 >= share * gap.friction_rms:
-        there = f"There is a gap of {statement.size} {statement.chance}"
+        there = f"There is a gap of {statement.extent} {statement.chance}"
         if not statement.present:
             return f"{there}; its cause stays open.{statement.place}"
         else_ = "; what else causes it stays open" if len(statement.present) == 1 else ""
@@ -289,7 +306,7 @@ def _how_large(gap: Gap, share: float) -> str:
 
 def _unknown(statement: Statement) -> str:
     matters = statement.gap.systematic.q50 >= statement.share * statement.gap.friction_rms
-    there = f"There is a gap of {statement.size}"
+    there = f"There is a gap of {statement.extent}"
     limit = f"below {statement.share:.1%} of friction a gap is negligible"
     small = "" if matters else f" Its gap is small: {statement.size}; {limit}."
     if not statement.considered and not matters:
@@ -298,7 +315,7 @@ def _unknown(statement: Statement) -> str:
         likely = stated(statement.probability)
         return (
             f"With probability {likely} there is a gap that none of the effects examined "
-            f"explains: {statement.size}.{statement.place}"
+            f"explains: {statement.extent}.{statement.place}"
         )
     names = " and ".join(effect.effect for effect in statement.considered)
     fit = "explains" if len(statement.considered) == 1 else "explain"
@@ -347,7 +364,7 @@ def _size_of(effect: Cause) -> str:
 def _unseparated(statement: Statement) -> str:
     rivals = statement.rivals or "several effects"
     return (
-        f"There is a gap of {statement.size}, and one of {rivals} causes it; these data cannot "
+        f"There is a gap of {statement.extent}, and one of {rivals} causes it; these data cannot "
         f"tell which {statement.chance}.{statement.place}"
     )
 

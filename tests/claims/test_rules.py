@@ -94,7 +94,9 @@ def test_the_threshold_of_support_is_the_user_s():
 def test_odds_in_words():
     assert odds(1.301) == "20 to 1"
     assert odds(-1.301) == "1 to 20"
-    assert odds(4.9) == "10⁵ to 1"
+    assert odds(0.9) == "7.9 to 1"
+    assert odds(2.703) == "500 to 1"  # 505, and not 10³
+    assert odds(-4.9) == "1 to 79\u202f000"
     assert odds(26.05) == "more than 10⁶ to 1"
     assert odds(-26.05) == "less than 1 to 10⁶"
     assert share(0.00021) == "0.021 %"

@@ -12,10 +12,11 @@ from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.entering import numbers_to_enter, replays
 from bayesfric.report.chapters.verdict import verdict_line
-from bayesfric.report.content import Figure, Paragraph, Table, inlines
+from bayesfric.report.content import Figure, Paragraph, Strong, Table, inlines
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
 from bayesfric.schemas.diagnosis import Replay, ReplayedError
 
 LOWER = Interval(mean=-0.2, sd=0.01, q05=-0.22, q50=-0.2, q95=-0.18)
@@ -130,12 +131,34 @@ def test_numbers_that_miss_what_was_held_out_say_so_before_their_table(left, adv
     else:
         assert (first.kind, first.title) == ("attention", "Not confirmed")
         assert first.text.startswith(f"{said[0]}.")
-        # Two sizes that differ are explained.
-        apart = left > gap.systematic.q95
-        assert first.text.endswith("too small." if apart else "do not describe.")
+        assert first.text.endswith("do not describe.")
+        _, table, *_ = numbers_to_enter(block)
+        bold = [cell for row in table.rows for cell in row if isinstance(cell, Strong)]
+        # What nobody is to enter is not bold, and no field of a simulator stands beside it.
+        assert bool(bold) == (advice != "Do not")
+        assert ("MuJoCo" in table.columns) == (advice != "Do not")
         assert said[0].startswith(advice)
         assert f"is off by {left:.3g} N rms ({left:.0%} of friction) after scatter" in said[0]
         assert said[0] in lines[1]
+
+
+def test_no_gap_beside_biased_coefficients_does_not_read_as_all_is_well():
+    """The law absorbs a force that acts: no gap is left, and c2 is 60 % off."""
+    record = diagnosis()
+
+    def notice(sds):
+        """Return the verdict where the numbers with the causes are these sds off those without."""
+        alone = interval(0.017)
+        refitted = alone.model_copy(update={"mean": alone.mean + sds * alone.sd})
+        law = {"c2[small]": LawNumber(unit="N", before=alone, after=refitted)}
+        return verdict_line(record.model_copy(update={"verdict": "no-gap", "law": law}))
+
+    assert notice(9).kind == "attention"
+    assert words(notice(9).text).startswith(
+        "No gap, but the coefficients of the law alone are biased. "
+    )
+    assert notice(0).kind != "attention"
+    assert words(notice(0).text).startswith("No gap. ")
 
 
 def test_what_held_out_data_contradict_is_warned_of_once():

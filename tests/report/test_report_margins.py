@@ -22,7 +22,7 @@ from bayesfric.plots.margins import (
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.gain import gain_figures, gain_lines
 from bayesfric.report.chapters.margins import margins
-from bayesfric.report.content import Heading, Paragraph, Strong, Table
+from bayesfric.report.content import Heading, Notice, Paragraph, Strong, Table
 from bayesfric.report.stored import StoredResults, read_stored
 from bayesfric.report.writing import write_report
 from bayesfric.schemas.base import Interval
@@ -63,6 +63,23 @@ def test_the_first_line_says_which_gain_to_set(computed):
     assert " ".join([verdict.text, *rest]) == computed.summary.loops[0].answer
     assert re.fullmatch(r"Meets its spec: each of \d metrics .* or more\.", verdict.text)
     assert any(one.startswith("Set γ to ") for one in rest)
+
+
+def test_an_assumed_number_that_decides_the_answer_is_a_warning(computed):
+    """At 98 % of the variance the reader is told to measure it; at 40 % nothing is orange."""
+    loop = computed.summary.loops[0]
+    for share, titles in ((0.98, ["An assumed number decides most"]), (0.4, [])):
+        shares = {"gamma_necessary": {"c1, c2, c3": 1 - share, "drive.friction_n_m": share}}
+        decided = loop.model_copy(update={"variance_share": shares})
+        alone = computed.summary.model_copy(update={"loops": (decided,)})
+        warnings = [
+            line
+            for line in gain_lines(alone, alone=True)
+            if isinstance(line, Notice) and "of the variance" in line.text
+        ]
+        assert [line.title for line in warnings] == titles
+        if warnings:
+            assert "drive friction (drive.friction_n_m) contributes 98" in warnings[0].text
 
 
 def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):

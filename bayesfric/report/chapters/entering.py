@@ -7,6 +7,7 @@ from bayesfric.attention.diagnosis import NOT_YET, why_untrusted
 from bayesfric.export.entered import (
     CALLED,
     COLUMNS,
+    SHOWN,
     callbacks,
     entered_rows,
     off_now,
@@ -16,7 +17,6 @@ from bayesfric.export.entered import (
 )
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import svg_of
-from bayesfric.probabilities import two_digits
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -51,21 +51,20 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         after = f" The law was refitted with {_listed(joint)}." if joint.causes else ""
         untrusted = why_untrusted(joint)
         title = "Enter these numbers in your simulator"
-        if untrusted is not None and untrusted.startswith(NOT_YET):
-            title = "Numbers of a law that held-out data contradict"
+        contradicted = untrusted is not None and untrusted.startswith(NOT_YET)
+        if contradicted:
+            title = "Numbers not to be entered: held-out data contradict their law"
         else:
             ready[joint.joint or ""] = joint.enter
         if untrusted is not None:
-            yield Notice("attention", f"{untrusted}.{_apart(joint)}", title=f"Not confirmed{of}")
+            yield Notice("attention", f"{untrusted}.", title=f"Not confirmed{of}")
         elif joint.verdict in ("unknown", "unseparated"):
             title = "Best available numbers"
             after += " They may be biased, since the law lacks a force whose cause is open."
         said = f" {off}" if (off := off_now(joint)) else ""
-        rows = entered_rows(joint.enter)
         yield Table(
             f"{title}{of}.{said}{_wrong(joint)}{after}",
-            [HEADS.get(title, title) for title in COLUMNS],
-            [list(map(_cell, COLUMNS, row)) for row in rows],
+            *(_estimates(joint.enter) if contradicted else _to_enter(joint.enter)),
             label="enter" if not diagnosis.joints else f"enter-{place}",
         )
         remarks = list(remarks_of_numbers(joint.enter))
@@ -79,16 +78,16 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         yield BulletList(list(map(shown, lacking)))
 
 
-def _apart(joint: DiagnosisFile) -> str:
-    """Return that the gap in the verdict is smaller than what held-out data show, where it is."""
-    gap = joint.gap
-    if gap.held_out_excess <= gap.systematic.q95:
-        return ""
-    inferred = f"{two_digits(gap.systematic.q50)} {gap.unit} rms"
-    return (
-        f" The systematic gap of {inferred} is the model's own estimate from the data of the fit; "
-        "held-out data show that it is too small."
-    )
+def _to_enter(enter: Sequence[Enter]) -> tuple[list[str], list[list[Text]]]:
+    """Return heads and rows of a table of numbers with the simulators' fields."""
+    heads = [HEADS.get(column, column) for column in COLUMNS]
+    return heads, [list(map(_cell, COLUMNS, row)) for row in entered_rows(enter)]
+
+
+def _estimates(enter: Sequence[Enter]) -> tuple[list[str], list[list[Text]]]:
+    """Return heads and rows of numbers that nobody is to enter: none is bold, none has a field."""
+    heads = ["estimate" if column == "proposed" else column for column in COLUMNS[: -len(SHOWN)]]
+    return heads, [list(map(shown, row[: -len(SHOWN)])) for row in entered_rows(enter)]
 
 
 def _without_field(joints: Mapping[str, Sequence[Enter]]) -> Iterator[Table]:

@@ -73,19 +73,22 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
     if not alone:
         return
     yield from spec_table(margins, " ".join(line for loop in margins.loops for line in _gain(loop)))
-    several = len(margins.loops) > 1
-    decided = {loop.name: " ".join(_decided(loop)) for loop in margins.loops}
-    if several:
-        for name, said in decided.items():
-            if said:
-                yield Paragraph([Code(name), f": {said}"])
-    last = [
-        *([] if several else decided.values()),
-        _of_law(margins),
-        "For what was not examined, see ",
-    ]
+    yield from _deciding_numbers(margins.loops)
+    last = [_of_law(margins), "For what was not examined, see "]
     yield Paragraph([" ".join(filter(None, last)), Reference("margins"), "."])
     yield from _assumed(margins.loops)
+
+
+def _deciding_numbers(loops: Sequence[LoopMargins]) -> Iterator[Block]:
+    """Yield how much the friction law decides; a warning if an assumed number decides most."""
+    for loop in loops:
+        said = " ".join(_decided(loop))
+        of = f"{loop.name}: " if len(loops) > 1 else ""
+        if _deciding(loop) is not None:
+            title = f"{of}{'an' if of else 'An'} assumed number decides most"
+            yield Notice("attention", said, title=title)
+        elif said:
+            yield Paragraph([Code(loop.name), f": {said}"] if of else said)
 
 
 def _of_law(margins: MarginsFile) -> str:

@@ -323,5 +323,5 @@ def worries(stored: StoredResults) -> Iterator[Block]:
             "good",
             "Every R-hat and every effective sample size is within its bound, and every check "
             "passed.",
-            title="Nothing to worry about in the fit",
+            title="The fit passes its checks",
         )

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from bayesfric.attention.diagnosis import why_untrusted
+from bayesfric.attention.diagnosis import biased_numbers, why_untrusted
 from bayesfric.diagnosis.sentence import held_out_words
 from bayesfric.plots.labels import axis_words
 from bayesfric.report.chapters.conditions import condition_words
@@ -24,7 +24,9 @@ def verdict_line(record: DiagnosisFile) -> Notice:
     """
     open_still = record.verdict == "undecided" and record.possible
     off = _off_today(record)
-    verdict = Strong(f"{VERDICTS[record.verdict]}.")
+    biased = record.verdict == "no-gap" and not record.joints and biased_numbers(record)
+    but = ", but the coefficients of the law alone are biased" if biased else ""
+    verdict = Strong(f"{VERDICTS[record.verdict]}{but}.")
     begun: list[Inline] = [verdict, " "]
     said = _with_meanings(record)
     if off and _nothing_left(record):
@@ -33,7 +35,7 @@ def verdict_line(record: DiagnosisFile) -> Notice:
     elif off:
         begun = [Strong(off), " ", *begun]
     return Notice(
-        "attention" if off else box(record),
+        "attention" if off or biased else box(record),
         [
             *begun,
             f"{said} ",
