@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.style import COLORS, NEUTRAL, area_key, figure, key, line_key, size_styles
@@ -83,6 +84,9 @@ def _draw_trial(top: Axes, below: Axes, trial: xr.Dataset, color: str) -> None:
     )
     below.axhline(0, color=color, linewidth=1.0)
     below.plot(time, 1e3 * (travel - middle), "o", color=COLORS["black"], markersize=1.4)
+    # The panel has room for two numbers; its line is at zero.
+    tick = MaxNLocator(2).tick_values(0.0, max(map(abs, below.get_ylim())))[1]
+    below.set_yticks([-tick, tick])
 
 
 def _by_size_and_duration(table: xr.Dataset) -> list[int]:
