@@ -96,6 +96,11 @@ def why_untrusted(diagnosis: DiagnosisFile) -> str | None:
     )
 
 
+def is_contradicted(diagnosis: DiagnosisFile) -> bool:
+    """Return whether held-out data contradict the numbers so far that nobody is to enter them."""
+    return (why_untrusted(diagnosis) or "").startswith(NOT_YET)
+
+
 def _of_friction(share: float) -> str:
     """Return a share of friction in words; from twice friction on as a multiple."""
     return (

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Literal
 
-from bayesfric.attention.diagnosis import is_by_instrument, why_untrusted
+from bayesfric.attention.diagnosis import is_by_instrument, is_contradicted, why_untrusted
 from bayesfric.export.digits import by_error
 from bayesfric.probabilities import two_digits
 from bayesfric.rigs.rotary import is_relative
@@ -262,17 +262,24 @@ def entered_lines(diagnosis: DiagnosisFile, *, fields: bool = True) -> Iterator[
     """
     if not diagnosis.enter:
         return
-    of = "T" if diagnosis.joint is None else f"For the joint {diagnosis.joint}, t"
-    yield f"{of}o enter in a simulator (diagnosis.json has the fields of all simulators):"
+    contradicted = is_contradicted(diagnosis)
+    title = "to enter in a simulator (diagnosis.json has the fields of all simulators):"
+    if contradicted:
+        title = "estimates that are not to be entered in a simulator:"
+    if diagnosis.joint is not None:
+        title = f"for the joint {diagnosis.joint}, {title}"
+    yield title[:1].upper() + title[1:]
     for remark in (why_untrusted(diagnosis), off_now(diagnosis)):
         if remark:
             yield f"  {remark}"
-    last = -1 if fields else -len(SHOWN)
+    last = -1 if fields and not contradicted else -len(SHOWN)
     table = [COLUMNS[:last], *(row[:last] for row in entered_rows(diagnosis.enter))]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     for row in table:
         cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
         yield f"  {'  '.join(cells).rstrip()}"
+    if contradicted:
+        return
     if fields:
         yield from (f"  {remark}" for remark in entered_remarks(diagnosis.enter))
     else:

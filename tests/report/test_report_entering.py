@@ -140,6 +140,9 @@ def test_numbers_that_miss_what_was_held_out_say_so_before_their_table(left, adv
         assert said[0].startswith(advice)
         assert f"is off by {left:.3g} N rms ({left:.0%} of friction) after scatter" in said[0]
         assert said[0] in lines[1]
+        may = advice != "Do not"
+        assert lines[0].startswith("To enter in" if may else "Estimates that are not to be entered")
+        assert any("joint/@frictionloss" in line for line in lines) == may
 
 
 def test_no_gap_beside_biased_coefficients_does_not_read_as_all_is_well():

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
-from bayesfric.attention.diagnosis import NOT_YET, why_untrusted
+from bayesfric.attention.diagnosis import is_contradicted, why_untrusted
 from bayesfric.export.entered import (
     CALLED,
     COLUMNS,
@@ -51,8 +51,7 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         after = f" The law was refitted with {_listed(joint)}." if joint.causes else ""
         untrusted = why_untrusted(joint)
         title = "Enter these numbers in your simulator"
-        contradicted = untrusted is not None and untrusted.startswith(NOT_YET)
-        if contradicted:
+        if is_contradicted(joint):
             title = "Numbers not to be entered: held-out data contradict their law"
         else:
             ready[joint.joint or ""] = joint.enter
@@ -64,7 +63,7 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         said = f" {off}" if (off := off_now(joint)) else ""
         yield Table(
             f"{title}{of}.{said}{_wrong(joint)}{after}",
-            *(_estimates(joint.enter) if contradicted else _to_enter(joint.enter)),
+            *(_estimates(joint.enter) if is_contradicted(joint) else _to_enter(joint.enter)),
             label="enter" if not diagnosis.joints else f"enter-{place}",
         )
         remarks = list(remarks_of_numbers(joint.enter))
