@@ -65,7 +65,7 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
         Whether nothing else is on that page, which then has the specs.
     """
     if alone:
-        yield Paragraph(HUNTING)
+        yield Paragraph([f"{HUNTING} For what was not examined, see ", Reference("margins"), "."])
     for loop in margins.loops:
         beside = _named(loop) if alone else _missed(loop)
         said = " ".join(filter(None, [*_gain(loop), *beside]))
@@ -74,8 +74,8 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
         return
     yield from spec_table(margins, " ".join(line for loop in margins.loops for line in _gain(loop)))
     yield from _deciding_numbers(margins.loops)
-    last = [_of_law(margins), "For what was not examined, see "]
-    yield Paragraph([" ".join(filter(None, last)), Reference("margins"), "."])
+    if law := _of_law(margins):
+        yield Paragraph(law)
     yield from _assumed(margins.loops)
 
 
