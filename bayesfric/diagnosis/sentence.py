@@ -14,8 +14,6 @@ ALL_BUT = 0.999
 PAST_ALL = 1.0005  # a larger share is printed as more than all
 ROUGH = 0.2  # width of a share's interval from which it counts as not determined
 WIDE = 0.095  # width of a share's interval from which it is printed in whole per cent
-
-
 PULLS = {
     False: (
         "other joints, which may have moved and are not in the log",
@@ -183,10 +181,8 @@ def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = 
     if row.before.q50 <= row.floor.q50:
         return f"{off}, no more than scatter alone makes ({floor} {gap.unit} on average)."
     if row.below_floor <= 1 - RULES.above_floor:
-        return (
-            f"{off}; scatter alone makes {floor} {gap.unit} on average, a difference that chance "
-            "does not explain."
-        )
+        scatter = f"scatter alone makes {floor} {gap.unit} on average"
+        return f"{off}; {scatter}, a difference that chance does not explain."
     return (
         f"On data that the fit has not seen the law is off by {_ends(row.before)} {gap.unit} rms; "
         f"scatter alone makes {_ends(row.floor)} {gap.unit} rms (90% intervals). Chance may "
