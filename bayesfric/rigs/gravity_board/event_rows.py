@@ -1,4 +1,4 @@
-"""Rows of the linear gravity board: its events, accelerations beside them, and their noise."""
+"""Rows of the gravity board in the linear model: events, accelerations, and their variances."""
 
 from dataclasses import replace
 
@@ -9,9 +9,9 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.trial_motion import Events
 
-ROUGH_SD = 0.01  # m/s², of an acceleration that comes without its standard error
-LEAST_SD_M = 1e-7  # of an event: below it, as without noise, rounding is all that is left
-ROUGH = 9.0  # times the noise: squared, what no smooth path follows
+ROUGH_SD = 0.01  # m/s², assumed for an acceleration without a standard error
+LEAST_SD_M = 1e-7  # of an event: smaller residuals, as of data without noise, are rounding errors
+ROUGH = 9.0  # mean square residual over variance: beyond it, no smooth path fits the trial
 
 
 def with_accelerations(
@@ -24,16 +24,16 @@ def with_accelerations(
     trials : DataFrame
         The N trials.
     events : Events
-        Of those that have some.
+        Events of the trials that have some.
     duration_s : ndarray, shape (N,)
-        Of each trial [s].
+        Duration of each trial [s].
 
     Returns
     -------
     rows : Events
         E rows, sorted by trial.
     alone : ndarray of bool, shape (E,)
-        Which of them are of an acceleration alone.
+        Which rows are those of trials with only an acceleration.
     sd : ndarray, shape (N,)
         Standard error of each trial's acceleration [m/s²].
     """
@@ -56,18 +56,18 @@ def with_accelerations(
 
 
 def variance_of(rows: Events, rough: Array, speed2: Array, alone: Flags, stated_sd: Array) -> Array:
-    """Return the variance of each row by residuals from each trial's smooth motion [m²].
+    """Return the variance of each row, from residuals of the trials' smooth motions [m²].
 
     Parameters
     ----------
     rows : Events
         E rows.
     rough : ndarray
-        Residuals from the smooth motions, of the rows of events [m].
+        Residuals of the rows that are events, from the smooth motions [m].
     speed2 : ndarray, shape (E,)
         Squared speed [m²/s²].
     alone, stated_sd : ndarray
-        As :func:`with_accelerations` returns them.
+        Results `alone` and `sd` of :func:`with_accelerations`.
     """
     travel = rows.tau**2 / 2
     stated = (stated_sd[rows.trial] * travel) ** 2
@@ -76,15 +76,15 @@ def variance_of(rows: Events, rough: Array, speed2: Array, alone: Flags, stated_
     square = np.zeros_like(speed2)
     square[~alone] = rough**2
     slope, level = np.polyfit(speed2[~alone], square[~alone], 1)
-    # Neither part of the noise is negative.
+    # Neither variance, of position or of the clock, may be negative.
     if level < 0:
         level, slope = 0.0, square[~alone].mean() / speed2[~alone].mean()
     elif slope < 0:
         level, slope = square[~alone].mean(), 0.0
     variance = level + slope * speed2
     for own in rows.rows_of_trials():
-        # Where no smooth path follows a trial, as where the cable all but stops, what a
-        # force does along it is not known: the trial counts by so much less.
+        # If no smooth path fits a trial, as when the cable nearly stops, the response to a force
+        # is not known. The trial then has less weight.
         beyond = square[own].mean() / variance[own].mean()
         variance[own] *= beyond if beyond > ROUGH else 1.0
     return np.where(alone, stated, np.maximum(variance, LEAST_SD_M**2))

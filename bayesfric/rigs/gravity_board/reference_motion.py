@@ -1,7 +1,7 @@
-"""Where trials of the gravity board are along their paths, by the reference law.
+"""States of the gravity board's trials along their paths, by the reference law.
 
-The speed along a path is the measured one; the travel to the first event, which nobody
-measured, is that of the reference law from the release.
+The speed along a path is the measured one. The travel before the first event was not measured and
+is computed with the reference law.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,17 +22,17 @@ from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, travel_
 from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 from bayesfric.rigs.pulley_radii import pulley_radii
 
-PUSHED = 0.15  # of the travel from rest to the first speed, that a push may have spared
-SPACING_M = 0.01  # where the rig does not say
+PUSHED = 0.15  # share by which a push reduces the travel from rest to the first speed, and its sd
+SPACING_M = 0.01  # spacing of events if the rig does not state one
 
 
 class ReferenceMotion:
-    """Trials along their paths: P places in each of N.
+    """N trials at P times along their paths.
 
     Parameters
     ----------
     gravity, rig, laws, measured, acting, law
-        As in :class:`bayesfric.rigs.gravity_board.rows.GravityRows`.
+        As in :class:`bayesfric.rigs.gravity_board.event_columns.EventColumns`.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class ReferenceMotion:
         self.state = self._state_at(self._travel, self._paths.speed_m_s)
 
     def covariates(self) -> dict[str, Array]:
-        """Return where every trial is along its path, arrays that broadcast to (N, P)."""
+        """Return covariates of every trial along its path, arrays that broadcast to (N, P)."""
         return {
             "velocity": self._paths.speed_m_s,
             "displacement": self._travel,
@@ -78,7 +78,7 @@ class ReferenceMotion:
 
     @property
     def intercept_n(self) -> Array:
-        """The part of friction that scatters beside all of it, (N,) [N]."""
+        """The part of friction whose scatter is relative to c2 (omega_intercept), (N,) [N]."""
         return np.asarray(self.condition.n_pulleys) * intercept_of(self.law)
 
     def _travelled(self) -> Array:
@@ -99,7 +99,7 @@ class ReferenceMotion:
             return np.asarray(self.acceleration[:, None] - self._slowed * force)
 
         from_rest = travel_to_speed(self._paths.speed_m_s[:, 0], acceleration)
-        # The first event comes within one spacing of the release; a push spares some travel.
+        # The first event is at most one spacing after the release; a push shortens the travel.
         most = np.minimum(from_rest, self.constants.hall_spacing_m or SPACING_M)
         return np.asarray((1 - PUSHED) * most)
 
