@@ -92,7 +92,7 @@ class EventColumns(ReferenceMotion, LinearRows):
         )
         self._speed = self._at_rows(self._paths.speed_m_s)
         self._longest_m = float(self._travel.max())
-        self._whole: Any = self
+        self._whole_board: Any = self  # of all trials, also in a part
         self._one_sided: dict[tuple[Any, ...], bool] = {}
         self.variance = variance_of(self.events, measured.rough, self._speed**2, alone, stated)
 
@@ -137,7 +137,7 @@ class EventColumns(ReferenceMotion, LinearRows):
         """
         shape = (*np.shape(force_n)[:-2], *self._travel.shape)
         along = np.broadcast_to(force_n, shape).reshape(-1, *self._travel.shape)
-        travel = -self._slowed[self.events.trial] * self._integral.of(along)
+        travel = -self._deceleration_per_n[self.events.trial] * self._integral.of(along)
         return np.asarray(travel.reshape(self.events.tau.size, *shape[:-2]))
 
     @cached_property

@@ -89,12 +89,12 @@ class GravityBoard(Rig):
         self, design: "Design", constants: RigConstants, truth: "Truth", seed: int
     ) -> "Simulated":
         """Return simulated trials and their events; see :mod:`.simulator`."""
-        from bayesfric.rigs.gravity_board.simulator import draw_events, lay_trials
+        from bayesfric.rigs.gravity_board.simulator import draw_events, trials_in_random_order
         from bayesfric.rigs.own_design import Simulated
 
         streams = [np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(7)]
         order, *rngs = (streams[place] for place in STREAMS)
-        trials = lay_trials(design, order)
+        trials = trials_in_random_order(design, order)
         events, moved, stayed = draw_events(trials, constants, truth, *rngs)
         if stayed.any():
             trials["did_not_move"] = np.where(stayed, "true", "false")

@@ -87,7 +87,7 @@ class Paths:
         return np.asarray(travel - travel @ line.T @ line)
 
 
-def motion_untold(effect: Effect, gravity: Gravity, rig: RigConstants) -> Unsupported | None:
+def motion_unknown(effect: Effect, gravity: Gravity, rig: RigConstants) -> Unsupported | None:
     """Return why the response of these trials to an effect is not known; None if it is known.
 
     Trials without events show neither speed nor travel, nor the times at which magnets passed.
@@ -96,8 +96,8 @@ def motion_untold(effect: Effect, gravity: Gravity, rig: RigConstants) -> Unsupp
         return None
     if effect.acts_on == "reading":
         return NO_EVENTS
-    can_tell = not (effect.along_path or effect.components) or "travel_m" in rig.limits
-    return None if can_tell else NO_MOTION
+    is_known = not (effect.along_path or effect.components) or "travel_m" in rig.limits
+    return None if is_known else NO_MOTION
 
 
 def trial_paths(gravity: Gravity, rig: RigConstants) -> Paths:

@@ -25,7 +25,7 @@ from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.base import Unsupported, why_inert
 from bayesfric.rigs.gravity_board.hall_events import EventTable
 from bayesfric.rigs.gravity_board.measurements import Columns, event_table, pilot_accelerations
-from bayesfric.rigs.gravity_board.paths import Paths, motion_untold, trial_paths
+from bayesfric.rigs.gravity_board.paths import Paths, motion_unknown, trial_paths
 from bayesfric.rigs.gravity_board.trial_motion import (
     Events,
     pilot_coefficients,
@@ -187,7 +187,7 @@ class TrialPlaces:
         """Return why the likelihood cannot contain an effect; None if it can."""
         if effect.acts_on == "current":
             return ON_CURRENT
-        if reason := motion_untold(effect, self._gravity, self._rig):
+        if reason := motion_unknown(effect, self._gravity, self._rig):
             return reason
         if effect.components and effect.shape is not None:
             return SHAPED_PHASES

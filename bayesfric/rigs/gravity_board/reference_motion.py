@@ -57,9 +57,9 @@ class ReferenceMotion:
         self._radius = np.array([radii[size] for size in sizes])
         self._paths = measured.paths
         self._feedback = tension_feedback(self.law, self.condition)[:, None]
-        self._slowed = self._feedback / mass[:, None]
-        self._before = self._travel_before(acting)
-        self._travel = self._travelled()
+        self._deceleration_per_n = self._feedback / mass[:, None]
+        self._travel_to_first = self._travel_before(acting)
+        self._travel = self._travel_along_paths()
         self.state = self._state_at(self._travel, self._paths.speed_m_s)
 
     def covariates(self) -> dict[str, Array]:
@@ -78,15 +78,15 @@ class ReferenceMotion:
 
     @property
     def intercept_n(self) -> Array:
-        """The part of friction whose scatter is relative to c2 (omega_intercept), (N,) [N]."""
+        """Force to which the scatter of the intercept is relative, shape (N,) [N]."""
         return np.asarray(self.condition.n_pulleys) * intercept_of(self.law)
 
-    def _travelled(self) -> Array:
+    def _travel_along_paths(self) -> Array:
         """Return the travel since the release along every path, shape (N, P) [m]."""
         speed = self._paths.speed_m_s
         step = self._paths.step_s * 0.5 * (speed[:, 1:] + speed[:, :-1])
-        before = self._before[:, None]
-        return np.concatenate([before, before + np.cumsum(step, axis=1)], axis=1)
+        first = self._travel_to_first[:, None]
+        return np.concatenate([first, first + np.cumsum(step, axis=1)], axis=1)
 
     def _travel_before(self, acting: Sequence[tuple[Candidate, float]]) -> Array:
         """Return the travel from the release to the first event, shape (N,) [m]."""
@@ -96,7 +96,7 @@ class ReferenceMotion:
             force = np.zeros_like(travel)
             for candidate, amplitude in acting:
                 force = force + amplitude * unit_response(candidate, state)
-            return np.asarray(self.acceleration[:, None] - self._slowed * force)
+            return np.asarray(self.acceleration[:, None] - self._deceleration_per_n * force)
 
         from_rest = travel_to_speed(self._paths.speed_m_s[:, 0], acceleration)
         # The first event is at most one spacing after the release; a push shortens the travel.

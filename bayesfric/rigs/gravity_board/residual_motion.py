@@ -1,4 +1,4 @@
-"""Residuals of each trial of the gravity board: forces in windows, and free-running motion."""
+"""Residuals of the gravity board's trials: forces in windows, and simulated motion."""
 
 from collections.abc import Callable, Iterator, Mapping
 
@@ -10,23 +10,23 @@ from bayesfric.observation.linear import Run, Windows
 from bayesfric.rigs.gravity_board.linear_scatter import TRIAL, WANDER, WAVES, wander_weights
 from bayesfric.rigs.gravity_board.rows import GravityRows
 
-WINDOWS = 8  # of a trial's travel
-EVENTS_A_WINDOW = 4  # at least, of both sensors
-SENSOR_POWERS = (1, 2, 3)  # powers of the travel, by which two sensors differ
-FIRST = 5  # events of a sensor that set the offset and the first speed
+WINDOWS = 8  # windows of a trial's travel
+EVENTS_A_WINDOW = 4  # least number of events in a window, of both sensors together
+SENSOR_POWERS = (1, 2, 3)  # powers of the travel in the difference of the two sensors
+FIRST = 5  # events of each sensor that determine offset and first speed of a simulated trial
 
 
 def whitening(board: GravityRows, rows: slice) -> tuple[Array, Callable[[Array], Array]]:
-    """Return 1/sd of the rows of a trial, and the projection off their nuisances.
+    """Return 1/sd of the rows of a trial, and the projection orthogonal to their nuisances.
 
-    What the two sensors differ by is one of them: a force is what both see.
+    Differences between the two sensors are nuisances, because a force moves both sensors alike.
 
     Parameters
     ----------
     board : GravityRows
         Events.
     rows : slice
-        Of one trial.
+        Rows of the trial.
     """
     white = 1 / np.sqrt(board.variance[rows])
     nuisance = board.events.nuisances(rows) * white
@@ -47,24 +47,25 @@ def windows_of(
     travel_m: float,
     noise: Mapping[str, float],
 ) -> Windows:
-    """Return residual forces in windows of travel; fewer where events are few.
+    """Return residual forces in windows of travel; trials with few events have fewer windows.
 
     Parameters
     ----------
     board : GravityRows
         E events.
     columns_of : callable
-        Of some of the trials, to the columns of the local numbers, (e, q) [m].
+        Function of the rows of some trials that returns the columns of the local numbers, (e, q)
+        [m].
     travel_m : float
-        The longest [m].
+        Longest travel of all trials [m].
     noise : mapping of str to float
-        By name.
+        Noise parameters by name.
     """
     variance = wander_weights(noise["wander_length"], travel_m)[0] * noise["wander"] ** 2
     solved_trials = []
     for trials, part in board.parts():
         solved = _windows_of_part(part, columns_of(part), travel_m, variance, noise["kappa"])
-        solved_trials += [(trial + trials.start, *those) for trial, *those in solved]
+        solved_trials += [(trial + trials.start, *windows) for trial, *windows in solved]
     names = solved_trials[0][3]
     return Windows(
         row=np.concatenate([np.full(len(f[1]), f[0]) for f in solved_trials]),
@@ -79,14 +80,17 @@ def windows_of(
 def _windows_of_part(
     board: GravityRows, columns: Array, travel_m: float, variance: Array, kappa: float
 ) -> Iterator[tuple[int, Array, Array, dict[str, Array], Array]]:
-    """Yield each trial with what its windows show: forces, covariance, places, wander."""
+    """Yield each trial's index, and its windows' forces, covariance, covariates and wander.
+
+    The forces have a column of residuals, followed by a column for each local number.
+    """
     newton, places = board.window_columns(WINDOWS)
     for trial, rows in enumerate(board.rows_of_trials()):
         enough = max(1, (rows.stop - rows.start) // EVENTS_A_WINDOW)
         joined = _join(WINDOWS, min(WINDOWS, enough))
         white, project = whitening(board, rows)
         design = project(white[:, None] * (newton[:, rows].T @ joined))
-        # Least squares of this design, which has no part along the nuisances.
+        # Least squares with the design, which is orthogonal to the nuisances.
         inverse = np.linalg.pinv(design, rcond=max(design.shape) * np.finfo(float).eps) * white
         solved = np.column_stack([inverse @ board.residual[rows], inverse @ columns[rows]])
         mean = joined / joined.sum(axis=0)
@@ -107,20 +111,20 @@ def runs_of(
     noise: Mapping[str, float],
     numbers: Array,
 ) -> dict[int, Run]:
-    """Return trials that run freely once their first events have set offset and speed.
+    """Return simulated trials whose offset and speed come from their first events alone.
 
     Parameters
     ----------
     board, travel_m, noise
-        As of :func:`windows_of`.
+        As in :func:`windows_of`.
     columns : ndarray, shape (E, q)
-        Of the local numbers [m].
+        Columns of the local numbers [m].
     random : ndarray, shape (E, R)
-        Columns of what scatters [m].
+        Random columns [m].
     scatter : ndarray, shape (N, 2)
-        Relative variance of friction.
+        Relative variance of a trial's and of its assembly's friction.
     numbers : ndarray, shape (A, N, q)
-        Local numbers of each arm, trial by trial.
+        Local numbers of each arm, for each trial.
     """
     wander = noise["wander"] ** 2 * wander_weights(noise["wander_length"], travel_m)[0]
     spread2 = scatter.sum(axis=1)
@@ -161,16 +165,19 @@ def runs_of(
 
 
 def _on_one_clock(board: GravityRows, rows: slice, left: Array) -> Array:
-    """Take off what the offset between the sensors' clocks does, as all rows of a trial show it.
+    """Return residuals without the clock offset that is estimated from all rows of a trial.
+
+    The estimate is the posterior mean, with unknown nuisances and an unknown parabola in time,
+    which represents friction.
 
     Parameters
     ----------
     board : GravityRows
         Events.
     rows : slice
-        Of one trial, n of them.
+        The n rows of the trial.
     left : ndarray, shape (A, n)
-        Residuals, in which a parabola beside the nuisances stands for friction [m].
+        Residuals [m].
     """
     late = board.clock_column()[rows]
     if not late.any():
@@ -184,6 +191,6 @@ def _on_one_clock(board: GravityRows, rows: slice, left: Array) -> Array:
 
 
 def _join(fine: int, coarse: int) -> Array:
-    """Return which of the fine windows make a coarse one, shape (fine, coarse)."""
+    """Return which fine windows form each coarse window, shape (fine, coarse)."""
     group = np.arange(fine) * coarse // fine
     return np.asarray(group[:, None] == np.arange(coarse), dtype=np.float64)
