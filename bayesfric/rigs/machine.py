@@ -18,7 +18,7 @@ class MachineTrials:
     """Trials of any rig. The defaults below are for trials that are not of a joint."""
 
     @property
-    def open_still(self) -> str | None:
+    def why_no_finding(self) -> str | None:
         """Why an unexplained force cannot be reported as a finding; None if it can."""
         return None
 
@@ -43,7 +43,7 @@ class MachineTrials:
         return ()
 
     @property
-    def taken_up(self) -> frozenset[str]:
+    def covered_effects(self) -> frozenset[str]:
         """Effects that resemble unknown forces, which are part of every hypothesis."""
         return frozenset()
 

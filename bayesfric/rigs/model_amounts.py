@@ -10,9 +10,9 @@ from bayesfric.arrays import Array
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import ModelError
 
-OFF_FROM_SD = 3.3  # posterior sd: an error beyond this many is significant
-FELT = 0.1  # share of the prior sd: smaller errors are never significant
-LEAST_SHARE_TAKEN = 0.5  # of its prior variance, which data must remove for a number to be listed
+SIGNIFICANT_SD = 3.3  # posterior sd: an error beyond this many is significant
+NEGLIGIBLE_SHARE = 0.1  # share of the prior sd: smaller errors are never significant
+LEAST_REDUCTION = 0.5  # of its prior variance, which data must remove for a number to be listed
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class ModelAmounts:
         centre = np.linalg.solve(precision, shares.T @ (inverse @ mean))
         return replace(like, mean=np.asarray(centre, dtype=np.float64), precision=precision)
 
-    def and_of(self, other: "ModelAmounts") -> "ModelAmounts":
+    def combined_with(self, other: "ModelAmounts") -> "ModelAmounts":
         """Return the amounts given the independent data of two joints."""
         precision = self.precision + other.precision - np.eye(self.mean.size)
         weighted = self.precision @ self.mean + other.precision @ other.mean
@@ -77,17 +77,19 @@ def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
     """
     if not by_joint:
         return ()
-    amounts = reduce(ModelAmounts.and_of, by_joint)
+    amounts = reduce(ModelAmounts.combined_with, by_joint)
     mean = amounts.root @ amounts.mean
     sd = np.sqrt(np.einsum("pc,pc->p", amounts.root, _covariance_with_numbers(amounts)))
     before = np.sqrt(np.sum(amounts.root**2, axis=1))
-    listed = np.flatnonzero((before > 0) & (sd**2 < (1 - LEAST_SHARE_TAKEN) * before**2))
+    listed = np.flatnonzero((before > 0) & (sd**2 < (1 - LEAST_REDUCTION) * before**2))
     ordered = sorted(listed, key=lambda place: -abs(mean[place]) / sd[place])
     errors = []
     for place in ordered:
         link, number, unit = amounts.names[place]
         centre, spread = float(mean[place]), float(sd[place])
-        off = abs(centre) > OFF_FROM_SD * spread and abs(centre) > FELT * before[place]
+        off = (
+            abs(centre) > SIGNIFICANT_SD * spread and abs(centre) > NEGLIGIBLE_SHARE * before[place]
+        )
         errors.append(
             ModelError(
                 link=link,

@@ -224,7 +224,7 @@ def test_a_prior_that_is_taken_once_costs_less_than_a_hundredth_of_a_nat(monkeyp
     assert quick.model._places.table.prior.taken
     monkeypatch.setattr(late_clock, "FAR_BETTER", np.inf)
     exact = likelihood_of(recording)
-    assert exact.model._places.table.prior.drawn
+    assert exact.model._places.table.prior.in_form
     sd = {"sigma_x": 0.02, "sigma_t": 0.08, "tau": 0.1, "omega": 0.2, "c1": 0.01}
     for sign in (-2, 0, 2):
         values = {

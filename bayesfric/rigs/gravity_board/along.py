@@ -45,9 +45,9 @@ class EffectsAlong:
         forces = [effect for effect in without_phase if effect.effect.acts_on != "reading"]
         by_force, by_reading = [], []
         if forces:
-            by_force = linear_terms(forces, places.slowing, places.paths.seen)
+            by_force = linear_terms(forces, places.added_acceleration, places.paths.seen)
         if readings:
-            by_reading = linear_terms(readings, places.misread, np.asarray)
+            by_reading = linear_terms(readings, places.reading_response, np.asarray)
         self._terms: list[LinearTerm] = [*by_force, *by_reading]
         self.columns = joined(
             *(places.columns(list(term.responses)) for term in by_force),
@@ -78,10 +78,10 @@ class EffectsAlong:
         """Return responses to an effect's components; for readings, separately for each sensor."""
         places, unit = self._places, {active.effect.amplitude.name: np.float64(1.0)}
         if active.effect.acts_on != "reading":
-            return places.columns(list(places.slowing(active, unit)))
+            return places.columns(list(places.added_acceleration(active, unit)))
         assert places.events is not None
         sensors = places.events.of_sensors
-        both = places.misread(active, unit)
+        both = places.reading_response(active, unit)
         return places.read_columns(
             np.concatenate([both * sensor for sensor in sensors if sensor.any()])
         )

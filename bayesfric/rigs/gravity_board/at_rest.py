@@ -139,7 +139,7 @@ class TrialsAtRest:
         whole = self.setup_log_probability(theta, moving)
         mean, covariance = moving.numbers_without_each()
         log_density = np.zeros(mean.shape[:2])
-        for trial, place, members in self._beside():
+        for trial, place, members in self._moving_beside_resting():
             without = log_probability_above(mean[:, trial], covariance[:, trial], above.of(members))
             log_density[:, trial] = whole[:, place] - without
         return log_density
@@ -159,7 +159,7 @@ class TrialsAtRest:
         above, probability = self.thresholds(theta), cdf.copy()
         mean, covariance = moving.numbers_without_each()
         sd = np.sqrt(moving.variance)
-        for trial, _, members in self._beside():
+        for trial, _, members in self._moving_beside_resting():
             numbers, rest = (mean[:, trial], covariance[:, trial]), above.of(members)
             # P(friction < r) = P(−friction > −r), which is one more threshold.
             own = Thresholds(
@@ -170,7 +170,7 @@ class TrialsAtRest:
             probability[:, trial] = np.exp(together - log_probability_above(*numbers, rest))
         return probability
 
-    def _beside(self) -> "list[tuple[int, int, Whole]]":
+    def _moving_beside_resting(self) -> "list[tuple[int, int, Whole]]":
         """Return moving trials with trials at rest on their assembly.
 
         Each item is the index of the trial, that of its assembly, and those of the trials at rest.

@@ -84,17 +84,24 @@ class EventColumns(ReferenceMotion, LinearRows):
     ) -> None:
         super().__init__(gravity, rig, laws, measured, acting, law)
         duration = self._paths.step_s[:, 0] * (POINTS - 1)
-        self.events, alone, stated = with_accelerations(self.table, measured.events, duration)
+        self.events, without_events, stated = with_accelerations(
+            self.table, measured.events, duration
+        )
         displacement = self.events.displacement
-        self.residual = displacement - self._predicted[self.events.trial] * self.events.tau**2 / 2
+        self.residual = (
+            displacement - self._law_acceleration[self.events.trial] * self.events.tau**2 / 2
+        )
         self.unstated = bool(
-            alone.all() and np.isnan(optional_column(self.table, "acceleration_sd_m_s2")).all()
+            without_events.all()
+            and np.isnan(optional_column(self.table, "acceleration_sd_m_s2")).all()
         )
         self._speed = self._at_rows(self._paths.speed_m_s)
         self._longest_m = float(self._travel.max())
         self._whole_board: Any = self  # of all trials, also in a part
         self._one_sided: dict[tuple[Any, ...], bool] = {}
-        self.variance = variance_of(self.events, measured.rough, self._speed**2, alone, stated)
+        self.variance = variance_of(
+            self.events, measured.residual, self._speed**2, without_events, stated
+        )
 
     def parts(self) -> Iterator[tuple[slice, Self]]:
         """Yield blocks of adjacent trials: their slice, and the rows of these trials alone."""

@@ -135,10 +135,10 @@ def _repair(time: Array, recorded: Array) -> _Repair:
     dropped = _Repair(recorded, np.zeros(recorded.size, dtype=bool), 0, 0, usable=False)
     if recorded.size < MINIMUM_EVENTS:
         return dropped
-    place = _follow(time, recorded)
+    place = _trace_places(time, recorded)
     if place is None:
         return dropped
-    kept = _one_each(time, place)
+    kept = _one_for_each_place(time, place)
     which = np.flatnonzero(kept)
     steps = np.diff(place[which])
     counted = np.diff(recorded[which])
@@ -157,7 +157,7 @@ def _repair(time: Array, recorded: Array) -> _Repair:
     return _Repair(place - place[which[0]], kept, missed, doubled, bool(usable))
 
 
-def _follow(time: Array, recorded: Array) -> Array | None:
+def _trace_places(time: Array, recorded: Array) -> Array | None:
     """Return each event's place, NaN for a stray; None if no part of the train is clean."""
     width = min(SEED, recorded.size)
     worst = np.abs(_window_residuals(time, recorded, width)).max(axis=1)
@@ -167,13 +167,13 @@ def _follow(time: Array, recorded: Array) -> Array | None:
     place = np.full(recorded.size, np.nan)
     place[seed : seed + width] = recorded[seed : seed + width]
     placed = list(range(seed, seed + width))
-    _extend(time, recorded, place, placed, range(seed + width, recorded.size))
+    _extend_places(time, recorded, place, placed, range(seed + width, recorded.size))
     placed = sorted(placed)[WINDOW - 1 :: -1]
-    _extend(time, recorded, place, placed, range(seed - 1, -1, -1))
+    _extend_places(time, recorded, place, placed, range(seed - 1, -1, -1))
     return place
 
 
-def _extend(
+def _extend_places(
     time: Array, recorded: Array, place: Array, placed: list[int], ahead: Iterable[int]
 ) -> None:
     """Determine the places of the events ahead, one after another.
@@ -195,11 +195,15 @@ def _extend(
         place[event] = nearest
         if nearest != place[near]:
             placed.append(event)
-        elif _off(time, place, placed[:-1], event) < _off(time, place, placed[:-1], near):
-            placed[-1] = event
+        else:
+            distance, of_near = (
+                _scaled_distance(time, place, placed[:-1], candidate) for candidate in (event, near)
+            )
+            if distance < of_near:
+                placed[-1] = event
 
 
-def _off(time: Array, place: Array, placed: list[int], event: int) -> float:
+def _scaled_distance(time: Array, place: Array, placed: list[int], event: int) -> float:
     """Return the distance of an event from the motion of the last placed events.
 
     The distance is in spacings, divided by its standard deviation for events of unit noise.
@@ -228,7 +232,7 @@ def _predict(
     return float(place[base] + fit @ at), float(slope), float(np.sqrt(1 + at @ along))
 
 
-def _one_each(time: Array, place: Array) -> Flags:
+def _one_for_each_place(time: Array, place: Array) -> Flags:
     """Return which events are kept: one for each place.
 
     A contact bounces after its edge, so the first event at a place is kept. If it is further
@@ -245,7 +249,7 @@ def _one_each(time: Array, place: Array) -> Flags:
         others = np.delete(single, group)
         start = int(np.clip(group - WINDOW // 2, 0, max(others.size - WINDOW, 0)))
         nearby = others[start : start + WINDOW].tolist()
-        off = np.array([_off(time, place, nearby, event) for event in several])
+        off = np.array([_scaled_distance(time, place, nearby, event) for event in several])
         best = several[0] if off[0] <= NOISE_LIMIT * noise else several[off.argmin()]
         kept[several] = several == best
     return kept

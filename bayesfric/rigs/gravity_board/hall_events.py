@@ -183,7 +183,7 @@ class EventTable:
         TrialForm
             Forms for W walkers and N trials.
         """
-        if self.prior.drawn:
+        if self.prior.in_form:
             variances = [np.ones((len(sigma_x), 1)), *variances]
         clock = np.sqrt(sigma_t**2 + self.tick_variance) * self.typical_speed
         scale2 = (sigma_x**2 + clock**2)[:, None]
@@ -193,11 +193,11 @@ class EventTable:
         polynomials = chebyshev.chebvander(2 * within / INTERVAL - 1, DEGREE) / scale2
         asked = np.unique(interval).astype(int).tolist()
         if len(asked) == 1:
-            forms = self._without(asked[0], polynomials, variances, motions)
+            forms = self._integrated(asked[0], polynomials, variances, motions)
         else:
             walkers = [np.flatnonzero(interval == place) for place in asked]
             parts = [
-                self._without(
+                self._integrated(
                     place,
                     polynomials[chosen],
                     [_of_walkers(variance, chosen) for variance in variances],
@@ -215,7 +215,7 @@ class EventTable:
             - 0.5 * self.degrees_of_freedom * (LOG_2PI + np.log(scale2)),
         )
 
-    def _without(
+    def _integrated(
         self,
         interval: int,
         weights: Array,
@@ -275,7 +275,7 @@ class EventTable:
         events = self.events
         whole = events.normal_equations(1 / spread, self.residual)
         count = NUISANCES
-        if self.prior.taken:
+        if self.prior.integrated_once:
             whole[..., CLOCK, CLOCK] += self.prior.scale2
             for place in ((CLOCK, -1), (-1, CLOCK)):
                 whole[..., *place] += self.prior.scale2 * self.prior.mean
@@ -343,7 +343,7 @@ def reduce_events(
     if late.any():
         table = _beside(table, CLOCK, late[None])
         prior = clock_prior(table, residual, -clock_shifts(events, trial_ids) / clock_sd_s)
-        residual = residual - late * prior.moved[table.trial]
+        residual = residual - late * prior.centre[table.trial]
     table = _beside(table, len(table.regressors), responses)
     sensors = table.present[:2].sum(axis=0)
     return EventTable(
@@ -352,7 +352,7 @@ def reduce_events(
         speed=speed,
         typical_speed=float(np.exp(np.mean(np.log(speed)))),
         tick_variance=tick_s**2 / 12,
-        degrees_of_freedom=_events_of_trials(table) - sensors - 1.0 - prior.share_of_events,
+        degrees_of_freedom=_events_of_trials(table) - sensors - 1.0 - prior.event_share,
         constant=table.total(np.log(speed)) - sensors * np.log(spacing_m) + prior.constant,
         origin=pilot.acceleration,
         first_speed=pilot.first_speed,

@@ -35,30 +35,30 @@ class ClockPrior:
 
     Parameters
     ----------
-    drawn : bool
+    in_form : bool
         Whether the offset is a variable of the form, integrated out at the noise of each walker.
-    taken : bool
+    integrated_once : bool
         Whether it is integrated out once. Its prior then has the same width relative to the
-        noise at any noise. If neither `drawn` nor `taken` is true, there is no offset.
-    moved : ndarray, shape (N,)
+        noise at any noise. If neither `in_form` nor `integrated_once` is true, there is no offset.
+    centre : ndarray, shape (N,)
         Value at which the residual is taken: the response to it is subtracted.
     mean : ndarray, shape (N,)
-        Prior mean of the offset minus `moved`.
+        Prior mean of the offset minus `centre`.
     scale2 : float
         Variance of an event at which integrating out once is exact [m²].
-    share_of_events : ndarray, shape (N,)
+    event_share : ndarray, shape (N,)
         Share of the information on the offset that comes from the events, not from the prior;
         0 if it is not integrated out once.
     constant : ndarray, shape (N,)
         Constant term of the log density.
     """
 
-    drawn: bool
-    taken: bool
-    moved: Array
+    in_form: bool
+    integrated_once: bool
+    centre: Array
     mean: Array
     scale2: float
-    share_of_events: Array
+    event_share: Array
     constant: Array
 
 
@@ -129,7 +129,7 @@ def clock_prior(events: Events, residual: Array, mean: Array) -> ClockPrior:
         return ClockPrior(True, False, mean, none, scale2, none, none)
     nuisances = whole[:, :NUISANCES_WITH_CLOCK, :NUISANCES_WITH_CLOCK]
     alone = np.where(seen, 1 / np.linalg.inv(nuisances)[:, CLOCK, CLOCK], 0.0)
-    share_of_events = alone / (scale2 + alone)
+    event_share = alone / (scale2 + alone)
     # With the most likely offset subtracted, the prior adds no square that depends on the noise.
     whole[:, CLOCK, CLOCK] += scale2
     whole[:, CLOCK, -1] += scale2 * mean
@@ -138,9 +138,9 @@ def clock_prior(events: Events, residual: Array, mean: Array) -> ClockPrior:
     gram = whole[:, :-1, :-1] / size[:, :, None] / size[:, None, :] + RIDGE * np.eye(size.shape[1])
     fit = np.linalg.solve(gram, (whole[:, :-1, -1] / size)[..., None])[..., 0] / size
     likely = np.where(seen, fit[:, CLOCK], mean)
-    constant = 0.5 * np.log(scale2) * (1 - share_of_events) - 0.5 * share_of_events * LOG_2PI
+    constant = 0.5 * np.log(scale2) * (1 - event_share) - 0.5 * event_share * LOG_2PI
     constant -= 0.5 * (mean - likely) ** 2
-    return ClockPrior(False, True, likely, mean - likely, scale2, share_of_events, constant)
+    return ClockPrior(False, True, likely, mean - likely, scale2, event_share, constant)
 
 
 def _noise(events: Events, whole: Array) -> tuple[float, Array]:

@@ -72,7 +72,7 @@ class GravityPart(LinearRig):
         block = np.stack([self.size, model.together.get(rows.name, np.zeros_like(self.size))])
         block = np.unique(block, axis=1, return_inverse=True)[1].ravel()
         self._sums = trial_sums(rows, self.layout, self.columns_of, self.random_of, block)
-        self._views: dict[bytes, _Sizes] = {}
+        self._cached_sums: dict[bytes, _Sizes] = {}
         freedom, counts = model.scatter.degrees_of_freedom, (len(self.setup), self.setup.max() + 1)
         for level, rank, count in zip(("trial", "assembly"), (1, 2), counts, strict=True):
             if getattr(model.scatter, level) == "student-t":
@@ -127,11 +127,13 @@ class GravityPart(LinearRig):
         columns *= model.scales
         return columns if self._squeeze is None else columns @ self._squeeze
 
-    def _view(self, mixing: Array, chosen: Whole, width: int, trials: Flags | None) -> _Sizes:
+    def _hypothesis_sums(
+        self, mixing: Array, chosen: Whole, width: int, trials: Flags | None
+    ) -> _Sizes:
         """Return the sums of the columns of a hypothesis, for each size."""
         key = b"".join((mixing.tobytes(), str(mixing.shape).encode(), chosen.tobytes()))
-        if trials is None and key in self._views:
-            return self._views[key]
+        if trials is None and key in self._cached_sums:
+            return self._cached_sums[key]
         layout, sums = self.layout, self._sums
         start, end = layout.own, layout.own + layout.candidates
         used = np.ones(len(self.setup), dtype=bool) if trials is None else trials
@@ -148,16 +150,16 @@ class GravityPart(LinearRig):
 
         def of_size(size: int) -> OneSize:
             mine = np.flatnonzero(used & (self.size == size))
-            beyond = sums.beyond[width]
+            orthogonal_sums = sums.orthogonal_sums[width]
             blocks = np.unique(sums.block[mine])
             assert used[np.isin(sums.block, blocks)].all(), "trials of one block stay together"
-            both = beyond.precision[blocks].sum(axis=0)
+            precision = orthogonal_sums.precision[blocks].sum(axis=0)
             return OneSize(
                 mine,
                 *np.unique(self.setup[mine], return_inverse=True),
-                mixed(mixed(both).T),
-                mixed(beyond.slope[mine].sum(axis=0)),
-                float(beyond.square[mine].sum()),
+                mixed(mixed(precision).T),
+                mixed(orthogonal_sums.slope[mine].sum(axis=0)),
+                float(orthogonal_sums.square[mine].sum()),
                 sums.triangle[np.ix_(mine, np.arange(width), chosen)],
                 mixed_parts(*(part[mine, :width] for part in sums.across)),
                 sums.right[mine, :width],
@@ -167,7 +169,7 @@ class GravityPart(LinearRig):
 
         view = tuple(of_size(size) for size in range(len(layout.sizes)))
         if trials is None and mixing.shape[1] <= KEPT:
-            self._views = {key: view}
+            self._cached_sums = {key: view}
         return view
 
     def evaluate(
@@ -183,7 +185,7 @@ class GravityPart(LinearRig):
             [np.arange(ALWAYS), *(np.arange(b.start, b.stop) for b, _ in blocks)]
         )
         # Without phases, rows are separated only along the random columns of every hypothesis.
-        width, kappa = (max(self._sums.beyond) if blocks else ALWAYS), noise["kappa"]
+        width, kappa = (max(self._sums.orthogonal_sums) if blocks else ALWAYS), noise["kappa"]
         variance, growth = wander_weights(noise["wander_length"], self._travel)
         sd = np.zeros(chosen.size)
         sd[TRIAL], sd[ELSEWHERE], sd[UNEVEN], sd[CLOCK] = noise["tau"], 1.0, UNEVEN_SHARE, 1.0
@@ -194,7 +196,7 @@ class GravityPart(LinearRig):
             sd[places[name]] = value
             start = places[name].stop
         omega = np.array([noise["omega"], noise["omega_intercept"]])
-        view = self._view(mixing, chosen, width, used)
+        view = self._hypothesis_sums(mixing, chosen, width, used)
         by_size = [Scattered(sums, sd, omega, kappa, *self._weights(sums)) for sums in view]
         of_sizes = [(size, part.precision, part.slope) for size, part in enumerate(by_size)]
         information = self.joined(of_sizes, sum(scattered.constant for scattered in by_size))
@@ -249,7 +251,7 @@ class GravityPart(LinearRig):
         squeezed.layout = layout
         squeezed._squeeze = squeeze if self._squeeze is None else self._squeeze @ squeeze
         squeezed._sums = self._sums.squeezed(squeeze, self.layout, layout)
-        squeezed._views = {}
+        squeezed._cached_sums = {}
         return squeezed
 
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:

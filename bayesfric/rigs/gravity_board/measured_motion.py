@@ -29,24 +29,24 @@ class MeasuredMotion(NamedTuple):
     ----------
     paths : Paths
         Motion by splines through the events.
-    rough : ndarray, shape (E,)
+    residual : ndarray, shape (E,)
         Residual of each event from its spline [m].
     events : Events
         Events, sorted by trial.
     """
 
     paths: Paths
-    rough: Array
+    residual: Array
     events: Events
 
 
 def measured_motion(gravity: Gravity, rig: RigConstants) -> MeasuredMotion:
     """Return the measured motion of each trial."""
     events = prepare_events(gravity.events, gravity.trials["trial"])
-    return MeasuredMotion(*_follow(trial_paths(gravity, rig), events), events)
+    return MeasuredMotion(*_fit_motions(trial_paths(gravity, rig), events), events)
 
 
-def _follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
+def _fit_motions(paths: Paths, events: Events) -> tuple[Paths, Array]:
     """Fit a spline to the motion of each trial that has events.
 
     Parameters
@@ -75,19 +75,19 @@ def _follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
         # Residuals are from a spline for each sensor, so that slip at one of them has no influence.
         for rows in sensors:
             if rows.any():
-                left = _fit(place[rows], displacement[rows])[1]
+                left = _fit_spline(place[rows], displacement[rows])[1]
                 residual[of_trial][rows] = left
         # The motion is a common spline; the second sensor may have an offset and a relative error.
         both = sensors.any(axis=1).all()
         apart = [sensors[1] * column for column in (1.0, displacement)] if both else []
-        spline, _ = _fit(place, displacement, apart)
+        spline, _ = _fit_spline(place, displacement, apart)
         speed[trial] = spline.derivative()(grid) / duration
         acceleration[trial] = spline.derivative(2)(grid) / duration**2
         speed[trial] = np.maximum(speed[trial], LEAST_SPEED_SHARE * speed[trial].max())
     return Paths(paths.step_s, speed, acceleration), residual
 
 
-def _fit(
+def _fit_spline(
     place: Array, displacement: Array, apart: Sequence[Array] = ()
 ) -> "tuple[scipy.interpolate.BSpline, Array]":
     """Return a spline over 0 to 1, and its residuals scaled to the size of the errors."""

@@ -140,7 +140,7 @@ class TrialPlaces:
         speed = self.paths.speed_m_s.mean(axis=1)
         return self._state(law, self.acceleration, speed)
 
-    def slowing(self, active: ActiveEffect, values: Mapping[str, Any]) -> Array:
+    def added_acceleration(self, active: ActiveEffect, values: Mapping[str, Any]) -> Array:
         """Return the change of acceleration by an effect along the paths, (…, N, P) [m/s²]."""
         column = Condition(*(np.reshape(np.asarray(part), (-1, 1)) for part in self.condition))
         law = Coefficients(*(np.transpose(part) for part in self.law))
@@ -178,7 +178,7 @@ class TrialPlaces:
         """Return the responses to errors of readings, (K, E) [m]; accelerations have none."""
         return Columns(travel, np.zeros((len(travel), self.acceleration.size)))
 
-    def misread(self, active: ActiveEffect, values: Mapping[str, Any]) -> Array:
+    def reading_response(self, active: ActiveEffect, values: Mapping[str, Any]) -> Array:
         """Return minus the error of each event's reading, (…, E) [m]."""
         law = active.effect.laws[active.law]
         return np.asarray(-np.asarray(law(values, self._reading)), dtype=np.float64)
@@ -197,9 +197,9 @@ class TrialPlaces:
             active = ActiveEffect(effect, law)
             values = small_values(effect)
             if effect.acts_on == "reading":
-                response = self.misread(active, values)
+                response = self.reading_response(active, values)
             elif effect.along_path or effect.components:
-                response = self.slowing(active, values)
+                response = self.added_acceleration(active, values)
             else:
                 response = np.asarray(
                     effect.laws[law](values, self.state(self.law, self.acceleration))

@@ -90,9 +90,9 @@ def trajectories(
     if not with_events.size:
         return xr.Dataset()
     pilot = pilot_fits(gravity.events, trials["trial"].iloc[with_events])
-    chosen = _typical(trials.iloc[with_events].reset_index(drop=True), pilot.acceleration)
+    chosen = _slow_and_fast(trials.iloc[with_events].reset_index(drop=True), pilot.acceleration)
     predicted = [
-        _predicted(
+        _predicted_trial(
             model, gravity, rig, pilot, fitted, int(with_events[fitted]), named, factor, baseline
         )
         for fitted in chosen
@@ -129,7 +129,7 @@ def trajectories(
     )
 
 
-def _predicted(
+def _predicted_trial(
     model: GravityModel,
     gravity: Gravity,
     rig: RigConstants,
@@ -165,7 +165,7 @@ def _predicted(
     return row, time, events["displacement_m"].to_numpy(), bands(motion.position(time))
 
 
-def _typical(trials: pd.DataFrame, acceleration: Array) -> list[int]:
+def _slow_and_fast(trials: pd.DataFrame, acceleration: Array) -> list[int]:
     """Return a slow and a fast trial of each size, at most :data:`SHOWN_TRIALS` in total."""
     chosen: list[int] = []
     for _, rows in trials.groupby("pulley_size", sort=False).groups.items():

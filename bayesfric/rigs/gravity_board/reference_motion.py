@@ -50,8 +50,8 @@ class ReferenceMotion:
         self.law = law_of_rows(laws, sizes)
         mass = self.condition.total_mass_kg
         self.friction_n = law.gravity(self.law, self.condition)
-        self._predicted = (self.condition.drive_force_n - self.friction_n) / mass
-        self.acceleration = np.maximum(self._predicted, 0.0)
+        self._law_acceleration = (self.condition.drive_force_n - self.friction_n) / mass
+        self.acceleration = np.maximum(self._law_acceleration, 0.0)
         self.order = rank(gravity.trials)
         radii = pulley_radii(list(sizes.unique()), rig)
         self._radius = np.array([radii[size] for size in sizes])

@@ -105,19 +105,19 @@ class Scattered:
         root = _inverses(factor)
         triangle, self._across = root @ sums.triangle, root @ sums.across
         right = (root @ sums.right[:, :, None])[:, :, 0]
-        self._precision_seen = (triangle**2).sum(axis=1) / kappa
-        self._back = back = triangle.swapaxes(1, 2) / kappa
-        self._pulled = (back @ right[:, :, None])[:, :, 0]
-        self._along = back @ triangle[:, :, SHARED]
+        self._own_precision = (triangle**2).sum(axis=1) / kappa
+        self._from_rows = from_rows = triangle.swapaxes(1, 2) / kappa
+        self._response = (from_rows @ right[:, :, None])[:, :, 0]
+        self._coupling = from_rows @ triangle[:, :, SHARED]
         # Deviations of the assemblies.
         member = np.equal.outer(np.arange(setups), sums.setup).astype(np.float64)
-        summed = member @ (back[:, SHARED] @ self._across).reshape(count, 2 * k)
-        stiff = (member @ self._along[:, SHARED].reshape(count, 4)).reshape(-1, 2, 2)
-        pulled = member @ self._pulled[:, SHARED]
+        summed = member @ (from_rows[:, SHARED] @ self._across).reshape(count, 2 * k)
+        stiffness = (member @ self._coupling[:, SHARED].reshape(count, 4)).reshape(-1, 2, 2)
+        response = member @ self._response[:, SHARED]
         columns = summed.reshape(setups, 2, k)
-        self._shared = shared = SharedDeviation.of(columns, pulled, stiff, sd_setup)
-        self._share = shared.taken @ shared.columns
-        self._pull = (shared.taken @ pulled[:, :, None])[:, :, 0]
+        self._shared = shared = SharedDeviation.of(columns, response, stiffness, sd_setup)
+        self._shared_columns = shared.taken @ shared.columns
+        self._shared_response = (shared.taken @ response[:, :, None])[:, :, 0]
         square = (sums.square + (right**2).sum()) / kappa - shared.pulled
         self._scale = square - sums.freedom
         constant = sums.constant - 0.5 * sums.freedom * np.log(kappa) - 0.5 * square
@@ -125,8 +125,9 @@ class Scattered:
         self.constant = float(constant - 0.5 * shared.log_determinant)
         flat, of_setups = self._across.reshape(-1, k), shared.columns.reshape(-1, k)
         self.precision = (sums.precision + flat.T @ flat) / kappa
-        self.precision -= self._share.reshape(-1, k).T @ of_setups
-        self.slope = (sums.slope + right.ravel() @ flat) / kappa - self._pull.ravel() @ of_setups
+        self.precision -= self._shared_columns.reshape(-1, k).T @ of_setups
+        self.slope = (sums.slope + right.ravel() @ flat) / kappa
+        self.slope -= self._shared_response.ravel() @ of_setups
 
     def moments(self, mean: Array, covariance: Array) -> tuple[Array, Array, float]:
         """Return twice the derivatives of the log evidence by the variances of the noise.
@@ -184,11 +185,12 @@ class Scattered:
 
         All other scatter is integrated out.
         """
-        j, along = self._setup, self._along
-        a = self._back @ self._across
-        a -= along @ self._share[j]
-        b = self._pulled - (along @ self._pull[j][:, :, None])[:, :, 0]
-        return a, b, self._precision_seen - ((along @ self._shared.taken[j]) * along).sum(axis=2)
+        j, coupling = self._setup, self._coupling
+        a = self._from_rows @ self._across
+        a -= coupling @ self._shared_columns[j]
+        b = self._response - (coupling @ self._shared_response[j][:, :, None])[:, :, 0]
+        shared_precision = ((coupling @ self._shared.taken[j]) * coupling).sum(axis=2)
+        return a, b, self._own_precision - shared_precision
 
     def _of_setups(self) -> tuple[Array, Array, Array]:
         """Return columns, response and precision, (J, 2, 2), for the deviations of assemblies."""

@@ -28,13 +28,13 @@ from bayesfric.rigs.gravity_board.sensor_agreement import noise_variance
 FURTHEST = 5.0  # largest offset that a cable explains, in prior standard deviations
 SURE_SD = 5.0  # standard errors at which an excess over that, or over SAME_SHARE, is significant
 SHARP = 10.0  # least acceleration over its standard error for an estimate of the time of the start
-LESS = 0.05  # a first estimate is rejected if it reduces the sensors' common time by this share
+LARGEST_LOSS = 0.05  # share of common time by which a first estimate may reduce it
 SAME_SHARE = 0.01  # largest relative error of a sensor's travel if only the clocks differ
 ROUNDS = 3  # iterations: the common motion depends on the offset
 DEGREE, EVENTS_A_POWER = 5, 4  # of the common motion; with fewer events it is a parabola
 LEAST_VARIANCE = 1e-10  # of an event, for data without noise [spacings²]
 RIDGE = 1e-13  # added to a unit diagonal, for columns that are zero or linearly dependent
-NAMED = 2  # largest number of trials that a message names
+NAMED_TRIALS = 2  # largest number of trials that a message names
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class SensorClocks:
                 f"not to be compared: in all {len(self.trials)} trials the sensors differ by more"
             )
         within = f"the fit estimates each trial's offset, up to {1e3 * self.furthest_s:.3g} ms"
-        return f"{_said(self.late_s, self.sd_s)}, {alike} trials; {within}"
+        return f"{_in_words(self.late_s, self.sd_s)}, {alike} trials; {within}"
 
 
 def sensor_clocks(events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants) -> SensorClocks:
@@ -102,7 +102,7 @@ def sensor_clocks(events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants)
     trains, allowed = None, (clock_sd_s(rig), rig.sensor_clock_sd_s is not None)
     if len(events):
         assert rig.hall_spacing_m and rig.timer_resolution_s
-        trains = _of_both(event_trains(events, trial_ids, rig.hall_spacing_m))
+        trains = _of_two_sensors(event_trains(events, trial_ids, rig.hall_spacing_m))
     if trains is None or not trains.starts.size:
         columns = ["trial", "late_s", "sd_s", "same_motion"]
         return SensorClocks(pd.DataFrame(columns=columns), *allowed, None, None)
@@ -118,11 +118,11 @@ def sensor_clocks(events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants)
     alike = table[table["same_motion"]]
     if alike.empty:
         return SensorClocks(table, *allowed, None, None)
-    together = _together(alike["late_s"].to_numpy(), alike["sd_s"].to_numpy())
-    return SensorClocks(table, *allowed, *together)
+    pooled = _pooled(alike["late_s"].to_numpy(), alike["sd_s"].to_numpy())
+    return SensorClocks(table, *allowed, *pooled)
 
 
-def _of_both(trains: EventTrains) -> EventTrains:
+def _of_two_sensors(trains: EventTrains) -> EventTrains:
     """Return the trains of trials whose two sensors have enough events."""
     enough = trains.sizes >= MINIMUM_EVENTS
     if not enough.any():
@@ -145,7 +145,7 @@ def _offsets(trains: EventTrains, tick_s: float) -> tuple[Whole, Array, Array, F
     fits = quadratic_fits(trains, 1 / np.maximum(variance, LEAST_VARIANCE))
     sharp = np.abs(fits.acceleration) > SHARP * np.sqrt(fits.acceleration_variance)
     drive, load = fits.rest_time.reshape(-1, 2).T
-    nearer = _overlap(trains, load - drive) > _overlap(trains, np.zeros_like(drive)) - LESS
+    nearer = _overlap(trains, load - drive) > _overlap(trains, np.zeros_like(drive)) - LARGEST_LOSS
     late = np.where(nearer & sharp.reshape(-1, 2).all(axis=1), load - drive, 0.0)
     events = _Padded.of(trains, np.maximum(variance, LEAST_VARIANCE))
     for _ in range(ROUNDS):
@@ -240,7 +240,7 @@ class _Padded:
         return fit[..., 0], inverse, square
 
 
-def _together(late_s: Array, sd_s: Array) -> tuple[float, float]:
+def _pooled(late_s: Array, sd_s: Array) -> tuple[float, float]:
     """Return the mean of offsets that vary between trials, and its standard error.
 
     The variance between trials is estimated by the moments of DerSimonian and Laird.
@@ -266,12 +266,12 @@ def clock_faults(clocks: SensorClocks) -> list[Fault]:
     far = alike[beyond]
     count = f"in {len(far) or len(alike)} of {len(alike)} trials"
     if pooled:
-        offsets_in_words = f"{_said(clocks.late_s, clocks.sd_s)} {count}"
+        offsets_in_words = f"{_in_words(clocks.late_s, clocks.sd_s)} {count}"
     else:
-        first = far[:NAMED]
+        first = far[:NAMED_TRIALS]
         offsets = zip(first["trial"], first["late_s"], first["sd_s"], strict=True)
-        names = [f"{trial}: {_said(late, sd)}" for trial, late, sd in offsets]
-        offsets_in_words = f"{count}: {'; '.join(names)}{'; …' if len(far) > NAMED else ''}"
+        names = [f"{trial}: {_in_words(late, sd)}" for trial, late, sd in offsets]
+        offsets_in_words = f"{count}: {'; '.join(names)}{'; …' if len(far) > NAMED_TRIALS else ''}"
     most = f"{1e3 * clocks.furthest_s:.3g} ms"
     why, state = f"no cable explains more than {most}", "state rig.sensor_clock_sd_s"
     if clocks.stated:
@@ -281,7 +281,7 @@ def clock_faults(clocks: SensorClocks) -> list[Fault]:
     return [Fault("gravity_events.csv", expected, column="time_s", value=offsets_in_words)]
 
 
-def _said(late_s: float, sd_s: float) -> str:
+def _in_words(late_s: float, sd_s: float) -> str:
     """Return an offset with its error, and which clock is late."""
     scale, unit = (1.0, "s") if abs(late_s) >= 1 else (1e3, "ms")
     digits = int(np.clip(1 - np.floor(np.log10(max(scale * sd_s, 1e-9))), 0, 9))

@@ -59,7 +59,7 @@ class TrialSums:
         Components of the numbers' columns along this basis, in the three parts of a layout.
     right : ndarray, shape (N, r)
         Components of the residual along this basis.
-    beyond : mapping of int to OrthogonalSums
+    orthogonal_sums : mapping of int to OrthogonalSums
         Sums over the orthogonal part of the rows. The key is the number of random columns, from
         the first, to which it is orthogonal.
     freedom : ndarray, shape (N,)
@@ -72,7 +72,7 @@ class TrialSums:
     triangle: Array
     across: tuple[Array, ...]
     right: Array
-    beyond: Mapping[int, OrthogonalSums]
+    orthogonal_sums: Mapping[int, OrthogonalSums]
     freedom: Array
     constant: Array
 
@@ -84,14 +84,14 @@ class TrialSums:
         own = squeeze[: before.own, : after.own]
         always = squeeze[before.local - before.always :, after.local - after.always :]
         of_own, of_candidates, of_always = self.across
-        beyond = {
+        orthogonal_sums = {
             width: OrthogonalSums(
                 squeeze.T @ sums.precision @ squeeze, sums.slope @ squeeze, sums.square
             )
-            for width, sums in self.beyond.items()
+            for width, sums in self.orthogonal_sums.items()
         }
         across = (of_own @ own, of_candidates, of_always @ always)
-        return replace(self, across=across, beyond=beyond)
+        return replace(self, across=across, orthogonal_sums=orthogonal_sums)
 
 
 def trial_sums(
@@ -123,7 +123,7 @@ def trial_sums(
 
 def _zero(block: Whole, layout: Layout, r: int) -> TrialSums:
     count, blocks, q = len(block), int(block.max()) + 1, layout.local
-    beyond = {
+    orthogonal_sums = {
         width: OrthogonalSums(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count))
         for width in {ALWAYS, r}
     }
@@ -133,7 +133,7 @@ def _zero(block: Whole, layout: Layout, r: int) -> TrialSums:
         np.zeros((count, r, r)),
         tuple(np.zeros((count, r, width)) for width in widths),
         np.zeros((count, r)),
-        beyond,
+        orthogonal_sums,
         np.zeros(count),
         np.zeros(count),
     )
@@ -159,20 +159,20 @@ def _add(sums: TrialSums, trials: slice, board: GravityRows, columns: Array, ran
         sums.right[trial, :height] = along[:, q]
         sums.freedom[trial] = rows.stop - rows.start - nuisances.shape[1]
         sums.constant[trial] = np.log(white[rows]).sum() - 0.5 * sums.freedom[trial] * LOG_2PI
-        for beyond in sums.beyond.values():
-            beyond.add_residual(trial, apart[rows])
+        for orthogonal_sums in sums.orthogonal_sums.values():
+            orthogonal_sums.add_residual(trial, apart[rows])
         of_scatter.append(along[ALWAYS:])
-        sums.beyond[ALWAYS].add_residual(trial, along[ALWAYS:])
+        sums.orthogonal_sums[ALWAYS].add_residual(trial, along[ALWAYS:])
     block, values = sums.block[trials], np.concatenate(of_scatter)[:, :q]
     further = np.repeat(np.arange(len(of_scatter)), [len(rows) for rows in of_scatter])
     # One product for many rows: adding up a product for each trial would take most of the time.
     for place in np.unique(block):
         rest = apart[block[board.events.trial] == place, :q]
         square = rest.T @ rest
-        for beyond in sums.beyond.values():
-            beyond.precision[place] += square
+        for orthogonal_sums in sums.orthogonal_sums.values():
+            orthogonal_sums.precision[place] += square
         rest = values[block[further] == place]
-        sums.beyond[ALWAYS].precision[place] += rest.T @ rest
+        sums.orthogonal_sums[ALWAYS].precision[place] += rest.T @ rest
 
 
 def orthogonal(columns: Array, values: Array, nuisances: int) -> tuple[Array, Array, Array]:

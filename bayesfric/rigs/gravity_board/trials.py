@@ -145,7 +145,7 @@ class GravityTrials(RigTrials):
         motion = measured_motion(self.gravity, self.constants)
         if self.event_error_m is None:
             return motion
-        return motion._replace(rough=np.full_like(motion.rough, self.event_error_m))
+        return motion._replace(residual=np.full_like(motion.residual, self.event_error_m))
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
@@ -186,7 +186,7 @@ class GravityTrials(RigTrials):
         gravity = feasible_trials(self.gravity.trials, self.constants, laws)
         if gravity is None:
             return None
-        residual = self.measured.rough
+        residual = self.measured.residual
         error = float(np.sqrt(np.mean(residual**2))) if residual.size else EVENT_SD_M
         return replace(self, gravity=gravity, at_rest=self.at_rest.iloc[:0], event_error_m=error)
 
