@@ -110,7 +110,7 @@ class Rig(ABC):
     def change(
         self, effect: Effect, design: Design, constants: RigConstants, truth: Truth
     ) -> Change | None:
-        """Return a function for the relative change by an effect; None if it cannot act here."""
+        """Return a function that computes an effect's change of friction; None if it cannot act."""
         del effect, design, constants, truth
         return None  # the paper's protocols contain only the paper's boards
 

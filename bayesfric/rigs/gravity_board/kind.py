@@ -76,7 +76,7 @@ class GravityBoard(Rig):
     def change(
         self, effect: "Effect", design: "Design", constants: RigConstants, truth: "Truth"
     ) -> "Change | None":
-        """Return a function for the change of trials by an effect, relative to friction."""
+        """Return a function that computes an effect's change of friction; None if it cannot act."""
         from bayesfric.rigs.gravity_board.strength import change_of_readings, change_of_trials
 
         if effect.acts_on == "current":

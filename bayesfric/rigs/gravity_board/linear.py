@@ -24,7 +24,7 @@ from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
     CLOCK,
-    ELSEWHERE,
+    RELEASE,
     TRIAL,
     UNEVEN,
     UNEVEN_SHARE,
@@ -85,11 +85,11 @@ class GravityPart(LinearRig):
             random[:, UNEVEN] += amplitude * rows.uneven_column(candidate)
         for candidate, amplitude in on_friction(self._model.scattering):
             column = rows.candidate_columns(candidate)
-            further = rows.elsewhere(candidate)
+            further = rows.release_column(candidate)
             if not isinstance(column, Unsupported):
                 random[:, TRIAL] += amplitude * column[:, 0]
             if further is not None:
-                random[:, ELSEWHERE] += amplitude * further
+                random[:, RELEASE] += amplitude * further
         return random
 
     def _scattering(self, rows: GravityRows) -> tuple[Array, dict[int, slice]]:
@@ -188,7 +188,7 @@ class GravityPart(LinearRig):
         width, kappa = (max(self._sums.orthogonal_sums) if blocks else ALWAYS), noise["kappa"]
         variance, growth = wander_weights(noise["wander_length"], self._travel)
         sd = np.zeros(chosen.size)
-        sd[TRIAL], sd[ELSEWHERE], sd[UNEVEN], sd[CLOCK] = noise["tau"], 1.0, UNEVEN_SHARE, 1.0
+        sd[TRIAL], sd[RELEASE], sd[UNEVEN], sd[CLOCK] = noise["tau"], 1.0, UNEVEN_SHARE, 1.0
         sd[WANDER] = noise["wander"] * np.sqrt(variance)
         places, start = {}, ALWAYS
         for (block, value), (_, _, name) in zip(blocks, phases, strict=False):

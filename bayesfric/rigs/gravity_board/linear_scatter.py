@@ -12,7 +12,9 @@ from bayesfric.observation.linear import NoiseParameter, noise_parameter
 from bayesfric.rigs.gravity_board.event_rows import ROUGH_SD
 
 WAVES = 20  # cosines along the travel; half a wave of the last one is 3 cm for a travel of 0.6 m
-TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
+# Places of the random columns: deviation of all friction and of the intercept, cosines of the
+# wander, travel before the first event, variation of an error of one sensor, clock offset.
+TRIAL, INTERCEPT, WANDER, RELEASE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
 UNEVEN, CLOCK = 3 + WAVES, 4 + WAVES
 ALWAYS = 5 + WAVES  # number of random columns in every hypothesis
 UNEVEN_SHARE = 0.03  # relative variation, between trials, of an error of one sensor

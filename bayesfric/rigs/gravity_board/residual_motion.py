@@ -1,6 +1,7 @@
 """Residuals of the gravity board's trials: forces in windows, and simulated motion."""
 
 from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -62,18 +63,21 @@ def windows_of(
         Noise parameters by name.
     """
     variance = wander_weights(noise["wander_length"], travel_m)[0] * noise["wander"] ** 2
-    solved_trials = []
+    of_trials: list[tuple[Any, ...]] = []
     for trials, part in board.parts():
-        solved = _windows_of_part(part, columns_of(part), travel_m, variance, noise["kappa"])
-        solved_trials += [(trial + trials.start, *windows) for trial, *windows in solved]
-    names = solved_trials[0][3]
+        windows = _windows_of_part(part, columns_of(part), travel_m, variance, noise["kappa"])
+        of_trials += [(trial + trials.start, *rest) for trial, *rest in windows]
+    trial, forces, covariance, covariates, wander = zip(*of_trials, strict=True)
     return Windows(
-        row=np.concatenate([np.full(len(f[1]), f[0]) for f in solved_trials]),
-        residual_n=np.concatenate([f[1][:, 0] for f in solved_trials]),
-        columns=np.concatenate([f[1][:, 1:] for f in solved_trials]),
-        covariance=tuple(f[2] for f in solved_trials),
-        wander=tuple(f[4] for f in solved_trials),
-        covariates={name: np.concatenate([f[3][name] for f in solved_trials]) for name in names},
+        row=np.repeat(trial, [len(force) for force in forces]),
+        residual_n=np.concatenate([force[:, 0] for force in forces]),
+        columns=np.concatenate([force[:, 1:] for force in forces]),
+        covariance=covariance,
+        wander=wander,
+        covariates={
+            name: np.concatenate([of_trial[name] for of_trial in covariates])
+            for name in covariates[0]
+        },
     )
 
 
@@ -117,10 +121,8 @@ def runs_of(
     ----------
     board, travel_m, noise
         As in :func:`windows_of`.
-    columns : ndarray, shape (E, q)
-        Columns of the local numbers [m].
-    random : ndarray, shape (E, R)
-        Random columns [m].
+    columns, random : ndarray, shape (E, q) and (E, R)
+        Columns of the local numbers, and random columns [m].
     scatter : ndarray, shape (N, 2)
         Relative variance of a trial's and of its assembly's friction.
     numbers : ndarray, shape (A, N, q)
@@ -134,37 +136,38 @@ def runs_of(
         first = np.zeros(nuisance.shape[1], dtype=bool)
         for sensor in nuisance[:2]:
             first[np.flatnonzero(sensor != 0)[:FIRST]] = True
-        seen = (nuisance != 0).any(axis=1)
-        if first.all() or not seen[2]:
+        present = (nuisance != 0).any(axis=1)
+        if first.all() or not present[2]:
             continue
         variance = noise["kappa"] * board.variance[rows]
-        left = board.clock_residual[rows] - numbers[:, trial] @ columns[rows].T
-        left = _on_one_clock(board, rows, left)
-        design = nuisance[seen].T @ np.linalg.pinv(nuisance[seen].T[first])
-        carry = design[~first]
-        moved = random[rows][~first] - carry @ random[rows][first]
-        floor = spread2[trial] * (moved[:, TRIAL] ** 2).mean()
-        floor += (moved[:, WANDER] ** 2 @ wander).mean()
-        error = variance[~first] + carry**2 @ variance[first]
-        later = columns[rows][~first] - carry @ columns[rows][first]
+        residual = board.clock_residual[rows] - numbers[:, trial] @ columns[rows].T
+        residual = _on_one_clock(board, rows, residual)
+        # From residuals of the first events to offsets and first speed, and so to all events.
+        design = nuisance[present].T @ np.linalg.pinv(nuisance[present].T[first])
+        to_later = design[~first]
+        later_random = random[rows][~first] - to_later @ random[rows][first]
+        floor = spread2[trial] * (later_random[:, TRIAL] ** 2).mean()
+        floor += (later_random[:, WANDER] ** 2 @ wander).mean()
+        error = variance[~first] + to_later**2 @ variance[first]
+        later_columns = columns[rows][~first] - to_later @ columns[rows][first]
         sensors = nuisance[:2] != 0
-        shown = sensors[0] if sensors[0].any() else sensors[1]
+        sensor = sensors[0] if sensors[0].any() else sensors[1]
         measured = board.events.displacement[rows]
-        tau = board.events.tau[rows][shown]
+        tau = board.events.tau[rows][sensor]
         runs[trial] = Run(
             trial,
-            left[:, ~first] - left[:, first] @ carry.T,
+            residual[:, ~first] - residual[:, first] @ to_later.T,
             float(error.mean()),
             float(floor),
-            later.T @ later / len(later),
+            later_columns.T @ later_columns / len(later_columns),
             tau - tau[0],
-            measured[shown],
-            (measured - (left - left[:, first] @ design.T))[:, shown],
+            measured[sensor],
+            (measured - (residual - residual[:, first] @ design.T))[:, sensor],
         )
     return runs
 
 
-def _on_one_clock(board: GravityRows, rows: slice, left: Array) -> Array:
+def _on_one_clock(board: GravityRows, rows: slice, residual: Array) -> Array:
     """Return residuals without the clock offset that is estimated from all rows of a trial.
 
     The estimate is the posterior mean, with unknown nuisances and an unknown parabola in time,
@@ -176,18 +179,18 @@ def _on_one_clock(board: GravityRows, rows: slice, left: Array) -> Array:
         Events.
     rows : slice
         The n rows of the trial.
-    left : ndarray, shape (A, n)
+    residual : ndarray, shape (A, n)
         Residuals [m].
     """
     late = board.clock_column()[rows]
     if not late.any():
-        return left
+        return residual
     nuisance, tau = board.events.nuisances(rows), board.events.tau[rows]
     white = 1 / np.sqrt(board.variance[rows])
     basis = np.linalg.qr((np.vstack([nuisance, tau**2]) * white).T)[0]
-    shown = late * white - basis @ (basis.T @ (late * white))
-    size = (left * white) @ shown / (shown @ shown + 1)  # its prior has unit variance
-    return np.asarray(left - size[:, None] * late)
+    column = late * white - basis @ (basis.T @ (late * white))
+    offset = (residual * white) @ column / (column @ column + 1)  # its prior has unit variance
+    return np.asarray(residual - offset[:, None] * late)
 
 
 def _join(fine: int, coarse: int) -> Array:

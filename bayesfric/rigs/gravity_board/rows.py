@@ -102,7 +102,7 @@ class GravityRows(EventColumns):
         columns += model.filled(self.name, none, lambda _: np.zeros(()), reading)
         return columns
 
-    def elsewhere(self, candidate: Candidate) -> Array | None:
+    def release_column(self, candidate: Candidate) -> Array | None:
         """Return the change of an effect's column if the travel before the first event is longer.
 
         The travel is longer by one standard deviation of its error.

@@ -18,7 +18,7 @@ DERIVATIVE_SHARE = 1e-4  # time step of a second derivative, relative to the tri
 
 
 def change_of_trials(design: Protocol, constants: RigConstants, truth: Truth) -> Change:
-    """Return a function for the relative change of each trial's friction, at equal time steps."""
+    """Return a function that computes the relative change of each trial's friction over time."""
     trials = trials_in_random_order(design, np.random.default_rng(0))
     condition = trial_condition(trials, constants)
     law = laws_of(truth, trials["pulley_size"])
@@ -41,7 +41,7 @@ def change_of_trials(design: Protocol, constants: RigConstants, truth: Truth) ->
 
 
 def change_of_readings(design: Protocol, constants: RigConstants, truth: Truth) -> Change:
-    """Return a function for the change of friction that is equivalent to errors of readings.
+    """Return a function that computes the change of friction equivalent to errors of readings.
 
     The equivalent force is (m1 + m2) times the second derivative of the mean error of both sensors,
     along the motion of the law. The result is relative to friction.

@@ -41,7 +41,7 @@ class MotorBoard(Rig):
     def change(
         self, effect: "Effect", design: "Design", constants: RigConstants, truth: "Truth"
     ) -> "Change | None":
-        """Return a function for the change of runs by an effect, relative to their friction."""
+        """Return a function that computes an effect's change of friction; None if it cannot act."""
         from bayesfric.rigs.motor_board.strength import change_of_runs
 
         del design

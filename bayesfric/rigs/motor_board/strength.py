@@ -13,7 +13,7 @@ from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
 
 
 def change_of_runs(constants: RigConstants, truth: Truth) -> Change:
-    """Return a function for the relative change of each run's friction by an effect.
+    """Return a function that computes the relative change of each run's friction by an effect.
 
     A change of the current is converted to a force, for which it would be mistaken.
     """

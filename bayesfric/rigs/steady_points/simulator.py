@@ -59,7 +59,7 @@ def _friction(table: pd.DataFrame, truth: Truth) -> Array:
 
 
 def change(effect: Effect, constants: RigConstants, truth: Truth) -> Change | None:
-    """Return a function for the relative change of each point's friction by an effect.
+    """Return a function that computes the relative change of each point's friction by an effect.
 
     The result is None for effects that points cannot show.
     """
