@@ -328,7 +328,7 @@ def _why_open(
     if objections.loop is not None:
         return objections.loop
     if "coulomb" in rig.untold and verdict in ("named", "unseparated", "unknown"):
-        return rig.open_still
+        return rig.why_no_finding
     if objections.contradict and verdict == "unknown":
         return None
     if rig.along_path and verdict == "unseparated":
@@ -336,7 +336,7 @@ def _why_open(
     if not rig.along_path or verdict != "unknown":
         return None
     few = few_windows(judged.residuals, along_path=True)
-    return rig.open_still or few or why_unsettled(objections.instrument)
+    return rig.why_no_finding or few or why_unsettled(objections.instrument)
 
 
 def _as_judged(judged: Judged) -> Overruled:
@@ -360,11 +360,11 @@ def _why_not_shown(
     """Return the first reason why these data could not have shown a gap; None if they could."""
     rig = model.data.rigs[0]
     if "coulomb" in rig.untold:
-        return rig.open_still
+        return rig.why_no_finding
     first = (
         why_not_shown(search, judged.residuals, along_path=rig.along_path)
         or loosely_known(model, judged.residuals, judged.posterior, practical)
         or why_bent(instrument)
         or why_unsettled(instrument)
     )
-    return first and "; ".join(filter(None, (first, rig.open_still)))
+    return first and "; ".join(filter(None, (first, rig.why_no_finding)))

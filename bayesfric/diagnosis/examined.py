@@ -30,7 +30,7 @@ def examinable(
     of its description.
     """
     offered: frozenset[str] = frozenset().union(*(rig.offers for rig in data.rigs))
-    taken = frozenset().union(*(trials.taken_up for trials in data.rigs)) - frozenset(own)
+    taken = frozenset().union(*(trials.covered_effects for trials in data.rigs)) - frozenset(own)
     examined: dict[str, Effect] = {}
     lacking: dict[str, tuple[str, ...]] = {}
     for name, effect in sorted({**all_effects(None), **own}.items()):

@@ -1,6 +1,6 @@
-"""The seam between rigs and everything that is inferred from them, a folder a rig.
+"""The rigs, each in a folder with its data, likelihood and simulator.
 
-A folder here whose package holds a ``RIG`` is a rig; there is no list to add it to.
+Every subpackage that defines ``RIG`` is a rig and is found automatically.
 """
 
 from functools import cache
@@ -14,7 +14,7 @@ __all__ = ["Rig", "all_rigs", "paper_rigs"]
 
 @cache
 def all_rigs() -> dict[str, Rig]:
-    """Return the rigs by name and sorted so."""
+    """Return the rigs by name, in alphabetical order."""
     folders = [module.name for module in iter_modules(__path__) if module.ispkg]
     modules = (import_module(f"{__name__}.{name}") for name in folders)
     rigs: list[Rig] = [module.RIG for module in modules if hasattr(module, "RIG")]
@@ -22,5 +22,5 @@ def all_rigs() -> dict[str, Rig]:
 
 
 def paper_rigs() -> dict[str, Rig]:
-    """Return the paper's own rigs, for which its protocols are laid out."""
+    """Return the rigs of the paper, which its protocols simulate."""
     return {name: rig for name, rig in all_rigs().items() if rig.words.paper}

@@ -1,4 +1,4 @@
-"""Effects as they act in a simulation: with the phases of each trial, and where."""
+"""Effects in a simulation, with phases drawn for each trial, and the states of the trials."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,22 +17,22 @@ from bayesfric.rigs.truth import AppliedEffect, Truth
 
 @dataclass(frozen=True)
 class PhasedEffect:
-    """An effect and the phases that nobody recorded.
+    """An applied effect and its phases, which a recording does not contain.
 
     Parameters
     ----------
     applied : AppliedEffect
-        With its numbers.
+        The effect with its parameters.
     phases : ndarray, shape (C, N) or (C, N, sensors), or None
-        Factor of each component in each trial; None without components.
+        Factor of each component in each trial; None if the effect has no components.
     """
 
     applied: AppliedEffect
     phases: Array | None = None
 
-    def __call__(self, where: Any) -> Array:
-        """Return what the law gives, its components summed, of shape (N, …)."""
-        value = np.asarray(self.applied(where), dtype=np.float64)
+    def __call__(self, state: Any) -> Array:
+        """Return the value of the effect's law at a state, summed over components, (N, …)."""
+        value = np.asarray(self.applied(state), dtype=np.float64)
         if self.phases is None:
             return value
         missing = tuple(range(self.phases.ndim, value.ndim))
@@ -42,18 +42,18 @@ class PhasedEffect:
 def draw_phases(
     truth: Truth, rows: int, sensors: int, rng: np.random.Generator
 ) -> tuple[PhasedEffect, ...]:
-    """Return the effects of `truth` with N(0, 1) drawn for each component and row.
+    """Return the effects of `truth`, with a N(0, 1) number for each component and trial.
 
     Parameters
     ----------
     truth : Truth
-        Holds the effects.
+        The truth, which contains the effects.
     rows : int
-        Trials or runs.
+        Number of trials or runs.
     sensors : int
-        Each has phases of its own where an effect acts on readings.
+        Number of sensors. An effect on readings has independent phases for each of them.
     rng : Generator
-        For this alone.
+        Source of randomness, not used for anything else.
     """
     acting = []
     for applied in truth.effects:
@@ -65,19 +65,20 @@ def draw_phases(
 
 
 def of_kind(acting: Sequence[PhasedEffect], kind: ActsOn) -> list[PhasedEffect]:
-    """Return those that act on one thing."""
+    """Return the effects that act on one quantity."""
     return [effect for effect in acting if effect.applied.effect.acts_on == kind]
 
 
-def total(acting: Sequence[PhasedEffect], where: Any) -> Any:
-    """Return the sum of what effects of one kind give; 0 without any."""
-    return sum((effect(where) for effect in acting), 0.0)
+def total(acting: Sequence[PhasedEffect], state: Any) -> Any:
+    """Return the sum of effects on the same quantity; 0 if there are none."""
+    return sum((effect(state) for effect in acting), 0.0)
 
 
 def surroundings(table: pd.DataFrame, rig: RigConstants) -> dict[str, Any]:
-    """Return radius, place in the order, gravity and the like of trials or runs, fields of State.
+    """Return fields of State that do not depend on the motion, for each trial or run.
 
-    Radius, order and individual wrap angles are nan where nobody wrote them down.
+    The radius is NaN for pulleys of unknown radius, the order if it was not recorded, and the
+    spread of the wrap angles if individual angles were not recorded.
     """
     radius = {size: row.radius_m for size, row in table1().items()}
     radius |= {size: own.radius_m for size, own in rig.pulleys.items() if own.radius_m}
@@ -95,21 +96,21 @@ def surroundings(table: pd.DataFrame, rig: RigConstants) -> dict[str, Any]:
 
 
 def drive_end(table: pd.DataFrame) -> Array:
-    """Return which end carried the drive mass: −0.5 left, 0.5 right, 0 where nobody says."""
+    """Return which end carried the drive mass: −0.5 left, 0.5 right, 0 if not recorded."""
     if "drive_end" not in table:
         return np.zeros(len(table))
     return np.asarray(table["drive_end"].map({"left": -0.5, "right": 0.5}).fillna(0.0), dtype=float)
 
 
 def trial_in_setup(table: pd.DataFrame) -> Array:
-    """Return how many trials of the same assembly went before, 0 without an order."""
+    """Return the number of earlier trials of the same assembly; 0 if there is no order."""
     if "order" not in table or "setup" not in table or table["order"].isna().any():
         return np.zeros(len(table))
     return np.asarray(table.groupby("setup")["order"].rank(), dtype=np.float64) - 1
 
 
 def wrap_spread(table: pd.DataFrame) -> Array:
-    """Return the standard deviation of the individual wrap angles of each row [deg]."""
+    """Return the standard deviation of the individual wrap angles in each row [deg]."""
     if "wrap_angles_deg" not in table:
         return np.full(len(table), np.nan)
     cells = table["wrap_angles_deg"]

@@ -1,4 +1,4 @@
-"""Bands: the quantiles over draws that every prediction is stored as."""
+"""Quantiles over draws, in which predictions are stored."""
 
 import numpy as np
 
@@ -8,5 +8,5 @@ QUANTILES = (0.05, 0.5, 0.95)
 
 
 def bands(values: Array) -> Array:
-    """Return quantiles over the first axis (draws), quantile last."""
+    """Return the :data:`QUANTILES` over the first axis (draws), along a new last axis."""
     return np.moveaxis(np.quantile(values, QUANTILES, axis=0), 0, -1)

@@ -1,12 +1,12 @@
-"""What a rig offers to fit, claims, diagnosis, simulation and report.
+"""The interface of a rig to fit, claims, diagnosis, simulation and report.
 
-A :class:`Rig` is a kind of rig; its :meth:`~Rig.trials` are what a recording holds of it,
-and of these a likelihood, predictions and a linear model are made. No room below this one
-asks which rig it has.
+A :class:`Rig` is a kind of rig. Its method :meth:`~Rig.trials` returns the trials of this rig in a
+recording (:class:`RigTrials`), which provide a likelihood, predictions and a linear model. Code
+outside of this folder does not depend on which rig it has.
 
-The kinds of rigs are light: what fits, predicts and simulates is loaded by the methods that need
-it, so that a recording is described, and its faults are told, in a moment. What only annotations
-name is not loaded.
+Kinds of rigs are fast to import: methods import the modules for fits, predictions and simulations
+when they are called. A recording can therefore be described and checked quickly. Names that occur
+only in annotations are imported for type checkers alone.
 """
 
 from __future__ import annotations
@@ -52,16 +52,16 @@ CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
 
 
 class Rig(ABC):
-    """A kind of rig: a folder of this room offers one as ``RIG``, a dataclass.
+    """A kind of rig, a dataclass. Its subpackage defines the instance ``RIG``.
 
     Attributes
     ----------
     name : str
-        What it is called in commands and files.
+        Name in commands and files.
     words : Words
-        What it is called in sentences.
+        Names of the rig and its parts in sentences.
     tables : tuple of str
-        Which tables of a recording it reads.
+        File names of the tables that it reads from a recording.
     """
 
     name: str
@@ -70,39 +70,39 @@ class Rig(ABC):
 
     @property
     def own_design(self) -> OwnDesign | None:
-        """What it is simulated with, where no protocol of the paper's lays it out; else None."""
+        """Design of its simulation, for a rig without protocols of the paper; else None."""
         return None
 
     @abstractmethod
     def trials(self, recording: Recording, *, exclude: bool = True) -> RigTrials | None:
-        """Return the trials of a recording that enter; None where it has none of this rig.
+        """Return the trials of a recording that are used; None if it has none of this rig.
 
         Parameters
         ----------
         recording : Recording
-            As read.
+            The recording.
         exclude : bool
-            False keeps every trial that can be computed at all.
+            False also uses trials that a rule excludes, if they can be computed.
         """
 
     def remarks(self, recording: Recording) -> Sequence[tuple[str, str]]:
-        """Return what the measurements of a recording show before any fit, label and text.
+        """Return remarks on the measurements that need no fit, each a label and a text.
 
         Raises
         ------
         InputError
-            They show that it cannot be used.
+            The measurements cannot be used.
         """
         del recording
         return ()
 
     def left_out(self, recording: Recording) -> Sequence[Fault]:
-        """Return why trials of a recording do not enter: the rule, with its numbers.
+        """Return the excluded trials as faults, each with the rule and its numbers.
 
         Parameters
         ----------
         recording : Recording
-            As read; it may have none of this rig.
+            The recording; it may have no trials of this rig.
         """
         del recording
         return ()
@@ -110,25 +110,25 @@ class Rig(ABC):
     def change(
         self, effect: Effect, design: Design, constants: RigConstants, truth: Truth
     ) -> Change | None:
-        """Return what an effect changes relative to friction; None where it cannot act."""
+        """Return a function that computes an effect's change of friction; None if it cannot act."""
         del effect, design, constants, truth
-        return None  # protocols lay out the paper's boards alone
+        return None  # the paper's protocols contain only the paper's boards
 
     def simulate(
         self, design: Design, constants: RigConstants, truth: Truth, seed: int
     ) -> Simulated:
-        """Return what the rig records; the mirror of :meth:`RigTrials.likelihood`.
+        """Return simulated data, from the model of :meth:`RigTrials.likelihood`.
 
         Parameters
         ----------
         design : Protocol
             Conditions to measure.
         constants : RigConstants
-            Of the rig.
+            Constants of the rig.
         truth : Truth
-            What is simulated.
+            True coefficients, scatter, noise and effects.
         seed : int
-            Of the recording; the rig draws from streams of its own.
+            Seed of the recording. Each rig uses random streams of its own.
         """
         del design, constants, truth, seed
         from bayesfric.rigs.own_design import Simulated
@@ -137,13 +137,13 @@ class Rig(ABC):
 
 
 class RigTrials(MachineTrials, ABC):
-    """Trials of one rig that enter a fit or a diagnosis, those of an assembly adjacent.
+    """Trials of one rig that are used in a fit or a diagnosis; those of an assembly are adjacent.
 
-    A rig's trials are a dataclass, with a field `law` around which they are made linear. What is
-    not abstract is what holds of cables over pulleys at steady motion, all of which enter.
+    The class is a dataclass with a field `law`, around which a diagnosis linearises. Methods that
+    are not abstract suit a rig with cables over pulleys and steady motion that excludes no trial.
     """
 
-    if TYPE_CHECKING:  # fields of some, and worked out by others
+    if TYPE_CHECKING:  # fields of some subclasses, properties of others
 
         @property
         def rig(self) -> Rig:
@@ -151,82 +151,82 @@ class RigTrials(MachineTrials, ABC):
 
         @property
         def table(self) -> pd.DataFrame:
-            """One row a trial: ``trial``, ``setup``, ``pulley_size``, condition, order, role."""
+            """One row for each trial: ``trial``, ``setup``, ``pulley_size``, condition, role."""
 
         @property
         def recorded(self) -> pd.DataFrame:
-            """All trials as recorded, whatever enters; their ids as in :attr:`table`."""
+            """All recorded trials, used or not, with the identifiers of :attr:`table`."""
 
         @property
         def loads(self) -> tuple[str, ...]:
-            """Columns that, with pulley size, number and wrap angle, make a condition."""
+            """Columns that define a condition, together with size, number and wrap angle."""
 
     @property
     def slowest_speed_m_s(self) -> float:
-        """The least speed at which anything was measured; infinite where nobody says [m/s]."""
+        """Lowest speed of a measurement; infinite if no speeds were recorded [m/s]."""
         if "velocity_m_s" not in self.table:
             return float("inf")
         return float(self.table["velocity_m_s"].abs().min())
 
     def levels(self, name: str) -> int:
-        """Return how many values a column takes; ``tension`` is how the cable is loaded."""
+        """Return the number of values of a column; ``tension`` stands for the load of the cable."""
         if name == "tension":
             name = "tension_n" if "tension_n" in self.table else self.loads[0]
         return int(self.table[name].nunique())
 
     def select(self, keep: pd.Series[bool]) -> Self | None:
-        """Return the trials of a mask over the table; None without any."""
+        """Return the trials that a mask over the table selects; None if it selects none."""
         table = self.table[keep].reset_index(drop=True)
         return self._with(table=table) if len(table) else None
 
     def _with(self, **changes: Any) -> Self:
-        """Return the same with other values of some fields."""
+        """Return a copy with other values of some fields."""
         trials: Self = replace(cast(Any, self), **changes)
         return trials
 
     @property
     def excluded(self) -> Mapping[str, str] | None:
-        """Trials that a rule keeps from entering, with its name; None where there is no rule."""
+        """Excluded trials, each with the name of its rule; None for a rig without rules."""
         return None
 
     def moved(self) -> RigTrials | None:
-        """Return the trials that moved all the way; None where all did, or none."""
+        """Return the trials that moved over their whole travel; None if all or none did."""
         return None
 
     @abstractmethod
     def supports(self, effect: Effect) -> Unsupported | None:
-        """Return why an effect cannot enter the likelihood; None where it can."""
+        """Return why the likelihood cannot contain an effect; None if it can."""
 
     @property
     def has_pulleys(self) -> bool:
-        """Whether a cable runs over pulleys, which the paper and its claims are about."""
+        """Whether it is a cable over pulleys, as the claims of the paper assume."""
         return True
 
     @property
     def along_path(self) -> bool:
-        """Whether its windows are neighbours along the path of a machine, and hang together."""
+        """Whether windows are adjacent parts of the path of a joint, with correlated residuals."""
         return False
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
-        """Return why a friction law makes no sense here; None where it does."""
+        """Return why a friction law does not apply to this rig; None if it does."""
         if law.name in OF_AXES:
             return Unsupported("Over pulleys viscous friction is an effect, which is diagnosed.")
         return None
 
     @property
     def offers(self) -> frozenset[str]:
-        """What effects may need of it, see :class:`bayesfric.effects.Effect`."""
+        """Quantities that it offers to effects (`needs` of :class:`bayesfric.effects.Effect`)."""
         from bayesfric.effects import PULLEYS
 
         return PULLEYS
 
     @property
     def unit(self) -> str:
-        """Of its forces: N, or N·m where it turns."""
+        """Unit of forces: N, or N·m for a rotary machine."""
         return "N"
 
     def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
-        """Return name and unit of what stands for c1, c2 and c3 of a pulley size."""
+        """Return name and unit of c1, c2 and c3 of a size, or of the numbers that replace them."""
         from bayesfric.observation.coefficients import coefficient_name, coefficient_units
 
         units = coefficient_units(self.unit)
@@ -234,31 +234,31 @@ class RigTrials(MachineTrials, ABC):
 
     @property
     def usual_law(self) -> str:
-        """Name of the law that it has where nobody asks for one."""
+        """Name of the default friction law."""
         return "paper"
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
-        """Priors of its law in its own measures, by size; empty where those of all do."""
+        """Priors of the law on the scale of the machine, by size; empty for the usual priors."""
         return {}
 
     def suited(self, effect: Effect) -> Effect:
-        """Return an effect in the rig's words, with priors in its own measures."""
+        """Return an effect with text and priors adapted to the rig."""
         return effect
 
     @property
     def own_law(self) -> OwnLaw | None:
-        """What has the place of a law in a diagnosis: a user's simulator; None without one."""
+        """User's simulator that replaces the law in a diagnosis; None without one."""
         return None
 
     def beside(self, simulator: SimulatorCalls) -> RigTrials | Unsupported:
-        """Return the trials beside a user's simulator of them, or why there can be none."""
+        """Return the trials with a user's simulator as their law, or why this is impossible."""
         return Unsupported(
             f"{simulator.name} predicts positions over time, which only a single axis logs"
         )
 
     def under(self, law: FrictionLaw) -> Self:
-        """Return the same trials, which a diagnosis makes linear around another law."""
+        """Return the same trials with another law, around which a diagnosis linearises."""
         return self._with(law=law)
 
     @abstractmethod
@@ -267,30 +267,34 @@ class RigTrials(MachineTrials, ABC):
         laws: Mapping[str, Coefficients],
         acting: Sequence[tuple[Candidate, float]] = (),
     ) -> LinearRows:
-        """Return the trials, linear around a reference law.
+        """Return the trials, linearised around a reference law.
 
         Parameters
         ----------
         laws : mapping of str to Coefficients
-            Of each pulley size.
+            Coefficients of each pulley size.
         acting : sequence of (Candidate, float)
-            Effects on friction with which trials start to move, with their amplitudes.
+            Effects on friction, with their amplitudes, for the motion before the first event.
         """
 
     def entering(self) -> RigTrials:
-        """Return the trials that enter a diagnosis: what the rig itself does stays in."""
+        """Return the trials that a diagnosis uses. They include those that show a fault of the rig.
+
+        The default is all trials.
+        """
         return self
 
     def planned(self, laws: Mapping[str, Coefficients]) -> RigTrials | None:
-        """Return the same conditions without noise, on time by a law; None where none moves.
+        """Return trials in the same conditions with noise-free data of a law; None if none moves.
 
-        Readings are linear, so that what they tell rests on conditions: all of them.
+        The default returns the trials themselves: the information of a linear model depends on
+        the conditions and not on the measured values.
         """
         del laws
         return self
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> RigTrials | None:
-        """Return feasible trials without noise, on time by a law; None where none moves."""
+        """Return feasible further trials with noise-free data of a law; None if none moves."""
         del laws
         return None
 
@@ -301,22 +305,22 @@ class RigTrials(MachineTrials, ABC):
         law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> RigLikelihood:
-        """Return the exact density of the raw data, without effects that are not supported."""
+        """Return the exact density of the raw data; unsupported effects are ignored."""
 
     def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
-        """Return friction found with a cable that stretches over that without.
+        """Return the ratio of friction estimated with an elastic cable to that with a rigid cable.
 
         Parameters
         ----------
         cable : Cable
-            Arrays of shape (C,).
+            C cables, arrays of shape (C,).
         theta : mapping of str to ndarray of shape (S,)
             Draws of the noise parameters.
 
         Returns
         -------
         ndarray, shape (C, N), or Unsupported
-            Of the N trials that would show a stretch.
+            Ratio for each of the N trials in which stretch would be visible.
         """
         del cable, theta
         return Unsupported("A steady trial does not ring: the stretch of its cable is constant.")
@@ -326,33 +330,34 @@ class RigTrials(MachineTrials, ABC):
         return {}
 
     def paper_estimates(self) -> Mapping[str, PointEstimate]:
-        """Return the paper's own estimate of each pulley size; empty without one."""
+        """Return the estimate by the paper's method for each pulley size; empty without one."""
         return {}
 
     @abstractmethod
     def predicted(self, view: Predictive) -> xr.Dataset:
-        """Return what was observed of each trial, and what is predicted of a new one.
+        """Return observed friction of each trial, and predicted friction of a new trial.
 
-        Over a dimension that is called as one trial is: ``tension_n``, ``friction_n`` and
-        ``law_n`` and ``predicted_n`` over ``quantile``, beside conditions.
+        The dataset has a dimension with the name of a trial in :attr:`Rig.words`. Along it are
+        the condition, ``tension_n`` and ``friction_n``; along it and ``quantile`` are ``law_n``
+        and ``predicted_n``.
         """
 
     @property
     def asked(self) -> tuple[str, ...]:
-        """Columns that a condition needs where friction is asked for, beside :meth:`at`."""
+        """Columns that a condition must have for :meth:`at`."""
         return ("pulley_size", *CONDITION, "velocity_m_s")
 
     def at(self, conditions: pd.DataFrame, law: Coefficients) -> State | Unsupported:
-        """Return where steady motion at some conditions is, by a law.
+        """Return the state of steady motion in given conditions, by a law.
 
-        Unsupported where a condition alone decides no friction.
+        The result is Unsupported if a condition alone does not determine friction.
 
         Parameters
         ----------
         conditions : DataFrame
-            C rows with the columns of :attr:`asked`.
+            C conditions with the columns of :attr:`asked`.
         law : Coefficients
-            Arrays that broadcast to (…, C).
+            Coefficients, arrays that broadcast to (…, C).
         """
         from bayesfric.effects import State
 
@@ -361,17 +366,17 @@ class RigTrials(MachineTrials, ABC):
         return State.of(law, n, wrap, tension, speed, steady=True)
 
     def resting(self, conditions: pd.DataFrame) -> Resting | None:
-        """Return what holds conditions at rest; None where the rig moves whatever friction is.
+        """Return tension and driving force at rest; None if a motor moves the rig anyway.
 
         Parameters
         ----------
         conditions : DataFrame
-            One row a condition: pulley size, n, wrap angle and :attr:`loads`.
+            One row for each condition: pulley size, n, wrap angle and :attr:`loads`.
         """
         del conditions
         return None
 
     def figures(self, view: Predictive) -> Mapping[str, xr.Dataset]:
-        """Return what figures show of this rig alone, by group of ``predictive.nc``."""
+        """Return data of figures that only this rig has, by group of ``predictive.nc``."""
         del view
         return {}

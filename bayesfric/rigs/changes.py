@@ -1,4 +1,4 @@
-"""The relative change of a rig's friction by an effect: the measure of its strength."""
+"""The change of a rig's friction by an effect, relative to friction, as its strength."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,21 +13,21 @@ from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.truth import AppliedEffect
 
 Change = Callable[[AppliedEffect], Array]
-"""An applied effect to its change relative to friction, shape (rows, times); of an effect
-with components one after another on a first axis."""
+"""Function of an applied effect that returns its change relative to friction, shape (rows,
+times). For an effect with components, these are stacked along an additional first axis."""
 
 
 def law_column(law: Coefficients) -> Coefficients:
-    """Return the law of each row as columns, to broadcast over times."""
+    """Return the coefficients of each row with shape (rows, 1), to broadcast over times."""
     return Coefficients(*(np.asarray(part)[:, None] for part in law))
 
 
 def around_rows(table: pd.DataFrame, constants: RigConstants) -> dict[str, Any]:
-    """Return what surrounds rows as columns, fields of State, to broadcast over times."""
+    """Return fields of State that do not depend on the motion, shape (rows, 1) or (1, 1)."""
     around = surroundings(table, constants)
     return {name: np.reshape(value, (-1, 1)) for name, value in around.items()}
 
 
 def at_times(change: Array, shape: tuple[int, int]) -> Array:
-    """Return a change at every time, also where it does not depend on time."""
+    """Return a change, broadcast to (rows, times) even if it does not depend on time."""
     return np.broadcast_to(change, (*np.shape(change)[:-2], *shape))

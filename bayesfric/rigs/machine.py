@@ -1,4 +1,4 @@
-"""What only a joint of a machine has something to say of."""
+"""Properties of trials that only a joint of a machine has, with defaults for other rigs."""
 
 from __future__ import annotations
 
@@ -15,55 +15,55 @@ if TYPE_CHECKING:
 
 
 class MachineTrials:
-    """Trials, which may be of a joint; what is said here holds of those that are of none."""
+    """Trials of any rig. The defaults below are for trials that are not of a joint."""
 
     @property
-    def open_still(self) -> str | None:
-        """Why a force that no effect explains is no finding here; None where it may be one."""
+    def why_no_finding(self) -> str | None:
+        """Why an unexplained force cannot be reported as a finding; None if it can."""
         return None
 
     @property
     def shared_numbers(self) -> Mapping[str, tuple[int, str, float]]:
-        """Nuisances beside the law's numbers, by name: place among all, unit, and what 1 is."""
+        """Nuisances reported as numbers of the law: index, unit, and value of the number at 1."""
         return {}
 
     @property
     def untold(self) -> Mapping[str, str]:
-        """Numbers of the law that such data cannot tell, whatever a fit says: name and reason."""
+        """Numbers of the law that the data cannot determine, each with the reason."""
         return {}
 
     @property
     def scale_share(self) -> float:
-        """Relative standard error of the scale of forces, that amplitudes of effects know not."""
+        """Relative standard error of the scale of forces; errors of amplitudes exclude it."""
         return 0.0
 
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
-        """Return what the law, as a diagnosis found it, makes doubtful of what was declared."""
+        """Return sentences on what is doubtful in the log and its declarations, given the law."""
         del law
         return ()
 
     @property
-    def taken_up(self) -> frozenset[str]:
-        """Effects that forces of unknown amounts, which every hypothesis has, look like."""
+    def covered_effects(self) -> frozenset[str]:
+        """Effects that resemble unknown forces, which are part of every hypothesis."""
         return frozenset()
 
     @property
     def in_simulator(self) -> Mapping[str, float]:
-        """Numbers of the law as the user's simulator has them, by name; empty if nobody knows."""
+        """Values of the law's numbers in the user's simulator, by name; empty if not known."""
         return {}
 
     @property
     def other_joints(self) -> Literal["still", "logged", "moving", "unknown"] | None:
-        """What the machine's other joints did; None where a rig has none."""
+        """State of the machine's other joints; None if the rig has no other joints."""
         return None
 
     def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
-        """Return how wrong the machine's model is, by the rig's own nuisances; None without one.
+        """Return the errors of the machine's model, from nuisances; None without a model.
 
         Parameters
         ----------
         mean, covariance : ndarray, shape (n,) and (n, n)
-            Of the rig's nuisances, in units of their scale.
+            Posterior mean and covariance of the rig's nuisances, in units of their scale.
         """
         del mean, covariance
         return None
@@ -71,14 +71,16 @@ class MachineTrials:
     def instrument(
         self, acting: Sequence[tuple[Candidate, float]], laws: Mapping[str, Coefficients]
     ) -> Instrument | str:
-        """Return the law by an instrument, which errors in a loop do not move; else why not.
+        """Return the instrumental-variable estimate of the law, or why there is none.
+
+        Unlike least squares, it is not biased by errors that a control loop feeds back.
 
         Parameters
         ----------
         acting : sequence of (Candidate, float)
-            Effects that act beside the law, with their amplitudes.
+            Effects that act in addition to the law, with their amplitudes.
         laws : mapping of str to Coefficients
-            Around which they act, of whose friction amplitudes are shares.
+            Reference law of each pulley size; amplitudes may be relative to its friction.
         """
         del acting, laws
         return "no controller moves it along a path"

@@ -1,4 +1,4 @@
-"""A recording to the trials of its rigs that enter."""
+"""Selects the rigs of a recording, the trials of each that are used, and the friction law."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -14,19 +14,19 @@ from bayesfric.rigs.base import RigTrials, Unsupported
 if TYPE_CHECKING:
     from bayesfric.simulators import SimulatorCalls
 
-DEFAULT = "paper"  # the law where none is asked for
+DEFAULT = "paper"  # law if the user names none; a rig may replace it by its usual law
 COEFFICIENTS = set(Coefficients._fields)
 
 
 def chosen_rigs(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, ...]:
-    """Return the rigs to fit, in the order of :func:`bayesfric.rigs.all_rigs`.
+    """Return the names of the rigs to fit, in the order of :func:`bayesfric.rigs.all_rigs`.
 
     Parameters
     ----------
     recording : Recording
-        As read.
+        The recording.
     rigs : sequence of str or None
-        Names; None is the first rig that the recording has.
+        Names of rigs; None is the first rig with data in the recording.
 
     Raises
     ------
@@ -34,14 +34,14 @@ def chosen_rigs(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, 
         A rig is unknown, or has no data in the recording.
     """
     rigs_by_name = all_rigs()
-    there = [name for name, rig in rigs_by_name.items() if rig.trials(recording) is not None]
+    recorded = [name for name, rig in rigs_by_name.items() if rig.trials(recording) is not None]
     if rigs is None:
-        if not there:
+        if not recorded:
             if faults := left_out(recording):
                 raise InputError(faults)
             kinds = " or ".join(rig.tables[0] for rig in rigs_by_name.values())
             raise InputError([Fault(recording.name, f"{kinds}, the kinds that can be fitted")])
-        return (there[0],)
+        return (recorded[0],)
     unknown = [
         Fault("rigs", one_of(rigs_by_name, name), value=name)
         for name in rigs
@@ -50,7 +50,7 @@ def chosen_rigs(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, 
     absent = [
         fault
         for name in rigs
-        if name in rigs_by_name and name not in there
+        if name in rigs_by_name and name not in recorded
         for fault in rigs_by_name[name].left_out(recording)
         or [Fault(recording.name, f"data of the rig {name!r}, which was asked for")]
     ]
@@ -60,12 +60,12 @@ def chosen_rigs(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, 
 
 
 def left_out(recording: Recording) -> list[Fault]:
-    """Return why trials of a recording do not enter, whichever rig they are of.
+    """Return the excluded trials of all rigs as faults, each with its rule.
 
     Parameters
     ----------
     recording : Recording
-        As read.
+        The recording.
     """
     return [fault for rig in all_rigs().values() for fault in rig.left_out(recording)]
 
@@ -73,21 +73,21 @@ def left_out(recording: Recording) -> list[Fault]:
 def open_rigs(
     recording: Recording, rigs: Sequence[str], *, exclude: bool = True
 ) -> tuple[RigTrials, ...]:
-    """Return the trials of some rigs that enter a fit, those of role ``test`` left out.
+    """Return the trials of each rig that are used in a fit, without those of role ``test``.
 
     Parameters
     ----------
     recording : Recording
-        Has all of these rigs.
+        A recording with data of all these rigs.
     rigs : sequence of str
-        As :func:`chosen_rigs` returns them.
+        Names of rigs, from :func:`chosen_rigs`.
     exclude : bool
-        False keeps every trial that can be computed at all.
+        False also uses trials that a rule excludes, if they can be computed.
 
     Raises
     ------
     InputError
-        No trial of a rig could enter.
+        A rig has no trial that can be used.
     """
     opened = []
     for name in rigs:
@@ -104,7 +104,7 @@ def open_rigs(
 
 
 def rigs_with_trials(recording: Recording) -> dict[str, RigTrials]:
-    """Return the trials that enter a fit of every rig that has some, by its name."""
+    """Return the trials that are used in a fit, by the name of their rig."""
     by_name = {}
     for name, rig in all_rigs().items():
         trials = rig.trials(recording)
@@ -115,30 +115,30 @@ def rigs_with_trials(recording: Recording) -> dict[str, RigTrials]:
 
 
 def remarks_of(recording: Recording) -> list[tuple[str, str]]:
-    """Return what the measurements of a recording show before any fit, label and text.
+    """Return remarks on the measurements that need no fit, each a label and a text.
 
     Raises
     ------
     InputError
-        They show that it cannot be used.
+        The measurements cannot be used.
     """
     return [remark for rig in all_rigs().values() for remark in rig.remarks(recording)]
 
 
 def beside_simulator(rigs: Sequence[RigTrials], simulator: "SimulatorCalls") -> list[RigTrials]:
-    """Return trials beside a user's simulator of them.
+    """Return trials with a user's simulator as their law.
 
     Parameters
     ----------
     rigs : sequence of RigTrials
-        Of a recording.
+        Trials of each rig of a recording.
     simulator : SimulatorCalls
-        The user's.
+        The user's simulator.
 
     Raises
     ------
     InputError
-        A rig cannot be simulated so, or the simulator fails.
+        The simulator cannot simulate a rig, or it fails.
     """
     simulated, faults = [], []
     for trials in rigs:
@@ -155,12 +155,12 @@ def beside_simulator(rigs: Sequence[RigTrials], simulator: "SimulatorCalls") -> 
 
 
 def diagnosed_law(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
-    """Return what has the place of the law in a diagnosis: a simulator, else a law by its name.
+    """Return the law of a diagnosis: the user's simulator, if any, otherwise a law by name.
 
     Raises
     ------
     InputError
-        A law is asked for where a simulator has its place, or it is unknown, or makes no sense.
+        A law is named although a simulator replaces it, or the law is unknown or does not apply.
     """
     own = [
         (trials.rig.words.rig, own.law) for trials in rigs if (own := trials.own_law) is not None
@@ -187,19 +187,19 @@ def diagnosed_law(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
 def baseline_of(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
     """Return a friction law by its name.
 
-    Without a word it is the law that the rigs usually have, where they have the same.
+    :data:`DEFAULT` is replaced by the usual law of the rigs, if they all have the same.
 
     Parameters
     ----------
     name : str
-        As in :data:`bayesfric.physics.laws.BASELINES`, or of old.
+        Key of :data:`bayesfric.physics.laws.BASELINES`, or an older name of a law.
     rigs : sequence of RigTrials
-        On which it must make sense.
+        Trials of each rig, to which the law must apply.
 
     Raises
     ------
     InputError
-        The law is unknown, or makes no sense on a rig.
+        The law is unknown, or does not apply to a rig.
     """
     name = ALIASES.get(name, name)
     if name not in BASELINES:
@@ -219,23 +219,23 @@ def baseline_of(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
 
 
 def with_own_priors(analysis: Analysis, rigs: Sequence[RigTrials]) -> Analysis:
-    """Return an analysis with the priors that rigs have of their own sizes.
+    """Return an analysis with the rigs' own priors of their sizes.
 
-    What the user wrote, of all sizes or of one, stands.
+    Priors that the user set, for all sizes or for one, are kept.
 
     Parameters
     ----------
     analysis : Analysis
-        As read.
+        The user's analysis.
     rigs : sequence of RigTrials
-        Whose sizes enter.
+        Trials of each rig.
     """
     priors, written = analysis.priors, analysis.priors.model_fields_set
     pulleys = dict(priors.pulleys)
     for trials in rigs:
         for size, own in trials.own_priors.items():
             given = pulleys.get(size, PriorOverrides())
-            # The priors of a simulator's parameters are its own: c1 means nothing to it.
+            # A user's prior of c1 does not apply to the parameter of a simulator.
             of_law = set() if trials.own_law is not None else COEFFICIENTS & written
             free = own.model_copy(update=dict.fromkeys(of_law))
             chosen = given.model_dump(exclude_none=True)
@@ -248,7 +248,7 @@ def with_own_priors(analysis: Analysis, rigs: Sequence[RigTrials]) -> Analysis:
 
 
 def calibrating(trials: RigTrials) -> RigTrials | None:
-    """Return the trials that fit the law: those whose role is not ``test``; None without any."""
+    """Return the trials to which the law is fitted (role not ``test``); None without any."""
     if "role" not in trials.table:
         return trials
     return trials.select(trials.table["role"] != "test")

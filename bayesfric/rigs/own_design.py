@@ -1,4 +1,4 @@
-"""What a rig that no protocol of the paper's lays out is simulated with."""
+"""The design of a simulation of a rig that the paper's protocols do not contain."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -13,16 +13,16 @@ from bayesfric.rigs.truth import Truth
 
 @dataclass(frozen=True)
 class Simulated:
-    """What a rig recorded.
+    """Simulated data of a rig.
 
     Parameters
     ----------
     tables : mapping of str to object
-        Fields of :class:`bayesfric.recording.tables.Recording`.
+        Tables by their field of :class:`bayesfric.recording.tables.Recording`.
     trials : int
-        How many trials there are.
+        Number of trials.
     stalled : tuple of str
-        Trials that stalled and could not be written.
+        Trials that stalled with too few events to be recorded.
     """
 
     tables: Mapping[str, Any]
@@ -32,24 +32,26 @@ class Simulated:
 
 @dataclass(frozen=True)
 class OwnDesign:
-    """A design of a rig's own, by a name beside those of the paper's protocols.
+    """The design of a simulation of one rig, with a name like those of the paper's protocols.
 
     Parameters
     ----------
     name : str
-        As ``bayesfric simulate --protocol`` has it.
+        Name in ``bayesfric simulate --protocol``.
     title : str
-        What is simulated.
+        Title of the simulated recording.
     constants : RigConstants
-        Of the rig.
+        Constants of the rig.
     coefficients : mapping of str to Coefficients
-        The law of a truth that has none of the rig's sizes.
+        Default law of each size, if a truth contains no law of the rig's sizes.
     offers : frozenset of str
-        What effects may need of it.
+        Quantities that it offers to effects, see ``needs`` of
+        :class:`bayesfric.effects.Effect`.
     change : callable
-        (effect, constants, truth) to what the effect changes relative to friction.
+        Function of (effect, constants, truth) that returns a
+        :data:`~bayesfric.rigs.changes.Change`, or None if the effect cannot act.
     simulate : callable
-        (constants, truth, seed) to what is recorded.
+        Function of (constants, truth, seed) that returns the simulated data.
     """
 
     name: str

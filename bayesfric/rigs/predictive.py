@@ -1,4 +1,4 @@
-"""What a fit is asked of a rig's trials, and what holds them at rest."""
+"""Inputs of predictions of a rig's trials, and conditions at rest."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Predictive:
-    """A fit, from which predictions are made.
+    """A fit with replicated trials, from which predictions are made.
 
     Parameters
     ----------
     likelihood : RigLikelihood
-        Of the rig.
+        Likelihood of the rig.
     law : FrictionLaw
-        The friction law of the fit.
+        Friction law of the fit.
     named : dict of str to ndarray, shape (W,)
-        Posterior draws by parameter.
+        Posterior draws of each parameter.
     factor : ndarray, shape (W, N)
-        Friction over that of the law, for new trials on new assemblies.
+        Friction of new trials on new assemblies, relative to that of the law.
     remade : Remade
-        New trials, and whole recordings made again.
+        Measured friction of new trials and of replicates of the whole recording.
     rng : Generator
-        For further recordings made again.
+        Source of randomness for further replicates.
     """
 
     likelihood: RigLikelihood
@@ -43,20 +43,20 @@ class Predictive:
 
     @property
     def medians(self) -> dict[str, Array]:
-        """Of each parameter, of shape (1,)."""
+        """Posterior median of each parameter, shape (1,)."""
         return {name: np.median(draws, keepdims=True) for name, draws in self.named.items()}
 
 
 @dataclass(frozen=True)
 class Resting:
-    """What friction has to hold at rest.
+    """Tension and driving force at rest in C conditions.
 
     Parameters
     ----------
     tension_n : ndarray, shape (C,)
         Tension of the cable at rest [N].
     drive_n : ndarray, shape (C,)
-        Force that would move it [N].
+        Driving force, which friction at rest must balance [N].
     """
 
     tension_n: Array

@@ -1,8 +1,7 @@
-"""What the simulated experimenter does: setups, trials and their masses.
+"""Designs of simulated experiments: assemblies, trials and their masses.
 
-A protocol is fixed before any parameter is drawn. The masses come from the
-paper's Table I with room to spare, as an experimenter with the paper in hand
-would choose them: each trial still moves when friction is 30 % higher.
+A protocol is fixed before any parameter is drawn. The masses follow from the friction of the
+paper's Table I with a margin: each trial still moves if friction is 30 % higher.
 """
 
 from collections.abc import Iterator
@@ -15,9 +14,9 @@ from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.gravity import Condition, nominal_tension
 from bayesfric.recording.tables import STANDARD_GRAVITY
 
-TOP_ACCELERATION = 1.2  # m/s²; 1.2 m/s after 0.6 m, inside Table II
+TOP_ACCELERATION = 1.2  # m/s²; 1.2 m/s after 0.6 m, within the range of Table II
 LEAST_ACCELERATION = 0.2  # m/s²
-FRICTION_RESERVE = 0.4  # of friction, left over as drive at the least acceleration
+FRICTION_RESERVE = 0.4  # least excess of the driving force over friction, relative to friction
 
 
 class GravityTrial(NamedTuple):
@@ -29,7 +28,7 @@ class GravityTrial(NamedTuple):
 
 @dataclass(frozen=True)
 class Cell:
-    """Pulleys as they are assembled on a board.
+    """The pulleys of an assembly.
 
     Parameters
     ----------
@@ -48,14 +47,14 @@ class Cell:
 
 @dataclass(frozen=True)
 class Assembly(Cell):
-    """One assembly of the gravity board, and the trials that run on it before they are ordered."""
+    """One assembly of the gravity board and its trials, in no particular order."""
 
     trials: tuple[GravityTrial, ...]
 
 
 @dataclass(frozen=True)
 class MotorAssembly(Cell):
-    """One assembly of the motor board, and the weights [kg] each of which is run at every speed."""
+    """One assembly of the motor board and its weights [kg]; each is run at every speed."""
 
     masses_kg: tuple[float, ...]
 
@@ -67,13 +66,13 @@ class Protocol:
     Parameters
     ----------
     cells : mapping of (n, θ) to int
-        How often each cell is assembled.
+        Number of assemblies of each cell.
     tensions_n : tuple of float
-        Nominal tensions at rest at 85° [N].
+        Nominal tensions at rest for wrap angles of 85° [N].
     angle_tensions_n : tuple of float
-        The same at the other wrap angles [N].
+        Nominal tensions at rest for other wrap angles [N].
     levels : int
-        Drive masses for each tension, from slow to fast.
+        Number of drive masses for each tension, from slow to fast.
     """
 
     cells: dict[tuple[int, float], int]
@@ -82,7 +81,7 @@ class Protocol:
     levels: int
 
     def assemblies(self) -> Iterator[Assembly]:
-        """Yield each assembly, sizes and cells in the order they are written."""
+        """Yield the assemblies by size, and by cell in the order of :attr:`cells`."""
         for size, ((n, wrap), times) in product(table1(), self.cells.items()):
             tensions = self.tensions_n if wrap == 85.0 else self.angle_tensions_n
             trials = tuple(
@@ -96,7 +95,10 @@ class Protocol:
 def _masses(
     size: str, n_pulleys: int, wrap_deg: float, tension_n: float, speed_share: float
 ) -> GravityTrial:
-    """Masses for a tension at rest, between the least and the top acceleration."""
+    """Return the masses for a tension at rest and an acceleration.
+
+    `speed_share` is the place of the acceleration between the least (0) and the top one (1).
+    """
     total = round(2 * tension_n / STANDARD_GRAVITY, 3)
     at_rest = Condition(n_pulleys, wrap_deg, total / 2, total / 2, STANDARD_GRAVITY)
     row = table1()[size]
@@ -109,7 +111,7 @@ def _masses(
 
 
 PROTOCOLS = {
-    # Figs 12 and 14 of the paper: n at 85° against five tensions, θ at three.
+    # Figs 12 and 14 of the paper: five tensions at 85°, three at other angles.
     "paper": Protocol(
         cells={
             (5, 85.0): 1,
@@ -159,11 +161,11 @@ MOTOR_ASSEMBLIES = (
         for size in ("small", "medium", "large")
     ),
 )
-"""The motor board's assemblies in both protocols: 23 conditions."""
+"""Assemblies of the motor board, the same in both protocols, with 23 conditions."""
 
 MOTOR_SPEEDS_M_S = tuple(round(0.05 + 1.25 * step / 19, 4) for step in range(20))
-"""Speeds of each condition, 460 runs in all, up to Table II's 1.3 m/s."""
+"""Speeds of each condition, up to the 1.3 m/s of Table II; 460 runs in total."""
 
 IDLE_SPEEDS_M_S = tuple(round(0.05 * step, 2) for step in range(1, 27))
 IDLE_REPEATS = 3
-"""The idle motor is measured at these speeds, so often each."""
+"""Number of measurements of the idle motor at each of :data:`IDLE_SPEEDS_M_S`."""

@@ -1,4 +1,4 @@
-"""The radius of each size of pulleys, as it was stated or as the paper has it."""
+"""Radii of pulleys by size: the stated ones, otherwise those of the paper."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ from bayesfric.recording.tables import RigConstants
 
 
 def pulley_radii(sizes: Sequence[str], constants: RigConstants) -> dict[str, float]:
-    """Return each size's pulley radius, of the medium size where nobody says [m]."""
+    """Return the pulley radius of each size; for an unknown size that of medium pulleys [m]."""
     paper_radii = {size: row.radius_m for size, row in table1().items()}
     radii = {}
     for size in sizes:

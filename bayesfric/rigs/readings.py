@@ -1,4 +1,4 @@
-"""Trials that are one reading of friction each, of which a rig says where they are."""
+"""The base class of trials that are one reading of friction each."""
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ class ReadingTrials(RigTrials):
     Attributes
     ----------
     law : FrictionLaw
-        Around which a diagnosis makes them linear.
+        Law around which a diagnosis linearises.
     """
 
     law: FrictionLaw = BASELINES["paper"]
@@ -34,15 +34,15 @@ class ReadingTrials(RigTrials):
 
     @property
     def recorded_columns(self) -> tuple[str, ...]:
-        """Columns of a condition that were recorded, which figures show."""
+        """Recorded columns of a condition, which figures show."""
         names = ("pulley_size", *CONDITION, "velocity_m_s")
         return tuple(name for name in names if name in self.table)
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
     ) -> LinearReadings:
-        """Return the readings as rows of a linear model; nothing starts to move here."""
-        del acting
+        """Return the readings as rows of a linear model."""
+        del acting  # a steady reading has no start of motion
         return self.readings(self.law).linear(laws)
 
     def likelihood(
@@ -56,7 +56,7 @@ class ReadingTrials(RigTrials):
         return ExactLikelihood(ReadingsModel(self.readings(law), analysis, supported))
 
     def predicted(self, view: Predictive) -> xr.Dataset:
-        """Return friction as measured, and as predicted for a new reading."""
+        """Return measured friction, and predicted friction of a new reading."""
         assert isinstance(view.likelihood, ExactLikelihood)
         kept = ("setup", "friction_n", *self.recorded_columns)
         observed = {name: self.table[name].to_numpy() for name in kept}

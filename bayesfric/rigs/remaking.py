@@ -1,4 +1,4 @@
-"""Trials and recordings made again, as the fit expects them."""
+"""Draws of new trials and of replicated recordings from the posterior predictive."""
 
 from dataclasses import dataclass
 
@@ -10,14 +10,14 @@ from bayesfric.inference.model import RigLikelihood
 
 @dataclass(frozen=True)
 class Remade:
-    """Friction as it would be measured, noise included.
+    """Draws of measured friction, with noise.
 
     Parameters
     ----------
     apart : ndarray, shape (W, N)
-        Of new trials, each on a new assembly of its own [N].
+        Friction of new trials, each on a new assembly of its own [N].
     together : ndarray, shape (W, N)
-        Of the whole recording: trials of one assembly are on one new assembly [N].
+        Friction in replicates of the whole recording: trials of an assembly share a new one [N].
     """
 
     apart: Array
@@ -30,18 +30,18 @@ def remake(
     deviation: Array,
     rng: np.random.Generator,
 ) -> Remade:
-    """Draw trials and recordings anew.
+    """Draw new trials and replicated recordings.
 
     Parameters
     ----------
     likelihood : RigLikelihood
-        Of the fit.
+        Likelihood of the fit.
     named : dict of str to ndarray, shape (W,)
-        Posterior draws by parameter.
+        Posterior draws of each parameter.
     deviation : ndarray, shape (W, N)
-        Relative scatter of new trials, each on an assembly of its own.
+        Relative deviations of new trials, each on an assembly of its own.
     rng : Generator
-        For the noise, and for the scatter of whole recordings.
+        Source of randomness for noise and for the scatter of replicated recordings.
     """
     together = likelihood.draw_scatter(named, rng, together=True)
     return Remade(*likelihood.draw_observed(named, np.stack([deviation, together]), rng))

@@ -1,4 +1,4 @@
-"""How far each trial lies from what a new trial is predicted to do."""
+"""Residuals of trials from the posterior predictive of new trials."""
 
 from collections.abc import Mapping
 from statistics import NormalDist
@@ -13,7 +13,7 @@ from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.remaking import Remade
 
-FALSE_ALARM = 0.05  # chance that a recording that obeys the model has an outlier
+FALSE_ALARM = 0.05  # probability of an outlier in a recording that obeys the model
 
 
 def beside_predicted(
@@ -24,20 +24,20 @@ def beside_predicted(
     recorded: pd.DataFrame,
     view: Predictive,
 ) -> xr.Dataset:
-    """Return what was observed of each trial beside what is predicted of a new one.
+    """Return observed values of each trial with predictions of a new trial.
 
     Parameters
     ----------
     dimension : str
-        What that of the trials is called.
+        Name of the dimension of trials.
     table : DataFrame
-        One row a trial.
+        One row for each trial.
     observed : mapping of str to array_like, each of N
-        Conditions and what was measured, ``friction_n`` among it [N].
+        Conditions and measured values; ``friction_n`` is required [N].
     law : ndarray, shape (W, N)
-        Friction by the law, draw by draw [N].
+        Friction of the law in each draw [N].
     recorded : DataFrame
-        All trials as recorded, for their order.
+        All recorded trials, which give the order.
     view : Predictive
         The fit.
     """
@@ -50,26 +50,27 @@ def beside_predicted(
 
 
 def check_residuals(trial: str, remade: Remade, observed: Array) -> dict[str, Any]:
-    """Compare what was observed with new trials on new assemblies, noise included.
+    """Compare observed friction with that of new trials on new assemblies, with noise.
 
     Parameters
     ----------
     trial : str
-        What the dimension of the trials is called.
+        Name of the dimension of trials.
     remade : Remade
-        New trials, and whole recordings made again.
+        New trials, and replicates of the whole recording.
     observed : ndarray, shape (N,)
-        Friction as measured [N].
+        Measured friction [N].
 
     Returns
     -------
     dict
         Variables of a Dataset. ``z``: distance from the predicted median in standard
-        deviations, taken from the width of the 90 % interval, which the heavy tails of
-        Student-t scatter leave as it is. ``outlier``: beyond ``z_limit``, which one
-        recording in twenty that obeys the model would pass somewhere. ``covered_share``:
-        of trials inside their 90 % interval; ``covered_expected``: what that share would
-        be if the recording were made again, whose assemblies shift trials together.
+        deviations. The standard deviation follows from the width of the 90 % interval, because
+        the heavy tails of Student-t scatter hardly change this width. ``outlier``: whether the
+        distance exceeds ``z_limit``, which happens in one of twenty recordings that obey the
+        model. ``covered_share``: share of trials inside their 90 % interval.
+        ``covered_expected``: quantiles of this share in replicates of the recording, in which
+        trials of an assembly shift together.
     """
     low, middle, high = bands(remade.apart).T
     lower, _, upper = (NormalDist().inv_cdf(level) for level in QUANTILES)
@@ -86,7 +87,7 @@ def check_residuals(trial: str, remade: Remade, observed: Array) -> dict[str, An
 
 
 def measuring_order(recorded: pd.DataFrame, table: pd.DataFrame) -> Whole:
-    """Return each trial's place in the order of measuring: as recorded, else of the file."""
+    """Return each trial's number in the recorded order, or otherwise its row in the file."""
     place = recorded["order"] if "order" in recorded else np.arange(1, len(recorded) + 1)
     by_trial = pd.Series(np.asarray(place), index=recorded["trial"])
     return by_trial.loc[table["trial"]].to_numpy(dtype=np.intp)

@@ -1,4 +1,4 @@
-"""The truth of a simulated recording: coefficients, scatter, noise and effects."""
+"""True values of a simulated recording: coefficients, scatter, noise and effects."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -17,7 +17,7 @@ OPTIONAL = ("omega_intercept", "omega_intercept_motor", "wander", "push", "assem
 
 @dataclass(frozen=True)
 class AppliedEffect:
-    """An effect with its numbers.
+    """An effect with values of its parameters.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class AppliedEffect:
     law : str
         Name of the variant.
     values : mapping of str to float
-        Its parameters, in their units.
+        Values of the parameters, in their units.
     """
 
     effect: Effect
@@ -34,7 +34,7 @@ class AppliedEffect:
     values: Mapping[str, float]
 
     def __call__(self, state: Any) -> Any:
-        """Return the force [N] or current [A] at a state."""
+        """Return the force [N], current [A] or error of a reading [m] at a state."""
         return self.effect.laws[self.law](self.values, state)
 
     def as_json(self) -> dict[str, Any]:
@@ -43,7 +43,7 @@ class AppliedEffect:
 
 
 def table1_coefficients() -> dict[str, Coefficients]:
-    """Return the coefficients of the paper's Table I, size to law."""
+    """Return the coefficients of the paper's Table I, by pulley size."""
     return {
         size: Coefficients(row.c1.value, row.c2.value, row.c3.value)
         for size, row in table1().items()
@@ -52,20 +52,20 @@ def table1_coefficients() -> dict[str, Coefficients]:
 
 @dataclass(frozen=True)
 class Truth:
-    """The truth of a simulated recording: coefficients, scatter, noise and effects.
+    """True values of a simulated recording: coefficients, scatter, noise and effects.
 
     Parameters
     ----------
     coefficients : mapping of str to Coefficients
         Friction law of each pulley size; default Table I.
     tau, omega : float
-        Relative friction scatter of a trial and of an assembly.
+        Relative scatter of friction between trials and between assemblies (standard deviations).
     omega_intercept : float
         Relative scatter of c2 between assemblies, in addition to that of all friction.
     wander : float
-        Relative rms of friction that wanders along the travel of each trial.
+        Relative rms of the variation of friction along the travel of each trial.
     wander_length : float
-        Its correlation length [m].
+        Correlation length of this variation [m].
     push : float
         Scale of the half-normal speed with which a trial is released [m/s].
     sigma_x : float
@@ -73,22 +73,22 @@ class Truth:
     sigma_t : float
         Clock error of a Hall event, before rounding [s].
     tau_motor, omega_motor : float
-        Relative friction scatter of a motor run and of an assembly of that board.
+        Relative scatter of friction between runs and between assemblies of the motor board.
     omega_intercept_motor : float
-        That of c2 on the motor board.
+        Relative scatter of c2 between assemblies of the motor board, in addition.
     torque_constant_factor : float
-        The motor's torque constant over the specified one.
+        Ratio of the motor's torque constant to the specified one.
     idle_current : tuple of float
         Level [A], slope [A s/m] and curvature [A s²/m²] of the idle curve.
     sigma_current : float
-        Noise of a current without load [A].
+        Standard deviation of a current without load [A].
     load_noise : float
-        Noise of a current per load current.
+        Standard deviation of a current, relative to the load current.
     effects : sequence of AppliedEffect
         Acting effects.
     assembly_freedom : float
-        Degrees of freedom of the Student-t by which assemblies of the gravity board scatter;
-        0 is normal.
+        Degrees of freedom of the Student-t scatter of the gravity board's assemblies; 0 stands
+        for normal scatter.
     """
 
     coefficients: Mapping[str, Coefficients] = field(default_factory=table1_coefficients)
@@ -111,7 +111,7 @@ class Truth:
     assembly_freedom: float = 0.0
 
     def as_json(self) -> dict[str, Any]:
-        """Return the values as plain JSON types, without absent levels of scatter."""
+        """Return the values as plain JSON types; optional values of 0 are left out."""
         unused = [name for name in OPTIONAL if not getattr(self, name)]
         unused += ["wander_length"] if not self.wander else []
         coefficients = {
@@ -128,5 +128,5 @@ class Truth:
 
 
 def laws_of(truth: Truth, sizes: "pd.Series[str]") -> Coefficients:
-    """Return the law of each row, arrays of its length."""
+    """Return the coefficients of each row, arrays of shape (rows,)."""
     return law_of_rows(truth.coefficients, sizes)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 Regime = Literal["accelerated", "steady"]
-"""Whether a trial gathers speed along a path, or is one measurement at one speed."""
+"""Whether a trial accelerates along a path, or is one measurement at constant speed."""
 
 
 @dataclass(frozen=True)
@@ -14,17 +14,17 @@ class Words:
     Parameters
     ----------
     rig : str
-        As in ``gravity board``.
+        Name of the rig, such as ``gravity board``.
     trial, trials : str
-        Singular and plural of its measurements.
+        Name of its trials, singular and plural.
     law : str
-        What its law and its likelihood are, in sentences; nothing where they are the paper's.
+        Sentences on its law and its likelihood; empty if they are those of the paper.
     group, groups : str
-        What trials of one value of ``setup`` are together, and several of these.
+        Name of a group of trials with the same ``setup``, singular and plural.
     regime : str
-        How its trials move.
+        Motion of its trials.
     paper : bool
-        Whether it is one of the paper's own, which its protocols are for.
+        Whether the rig is one of the paper's, which the protocols simulate.
     thresholds : dataclass or None
         Thresholds for reading its log, if there are any;
         :func:`bayesfric.rules.rules_of` lists them.

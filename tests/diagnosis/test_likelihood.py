@@ -179,7 +179,7 @@ def test_long_trials_whose_scatter_is_all_that_they_show(model):
         part._sums.block,
     )
     random = part.random_of(part.rows) * far
-    part._views = {}
+    part._cached_sums = {}
     noise = NOISE | {"tau": 0.5, "omega": 1e-12, "omega_intercept": 1e-12}
     mixing = model.mixing(acting_of(model, phases=False))
     found = part.evaluate(noise, mixing).information

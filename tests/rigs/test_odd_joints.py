@@ -181,10 +181,10 @@ def test_an_axis_that_hardly_turns_shows_nothing_of_places_directions_or_what_fo
     assert once.turns < 4
     assert not shown & once.offers
     said = "reverses once" if once.turns == 1 else f"reverses {once.turns} times"
-    assert f"{said}, and effects of position" in once.open_still
+    assert f"{said}, and effects of position" in once.why_no_finding
     often = runs_of(Joint().recording())
     assert shown <= often.offers
-    assert often.open_still is None
+    assert often.why_no_finding is None
 
 
 def test_another_joint_that_moves_is_nothing_that_this_one_does():

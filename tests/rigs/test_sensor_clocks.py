@@ -217,14 +217,14 @@ def test_offsets_that_the_recording_states_against_a_dense_normal(board, monkeyp
     assert found == pytest.approx(log_density, abs=1e-5)
 
 
-def test_a_prior_that_is_taken_once_costs_less_than_a_hundredth_of_a_nat(monkeypatch):
+def test_a_prior_that_is_integrated_out_once_costs_less_than_a_hundredth_of_a_nat(monkeypatch):
     """Over a whole recording, anywhere in the bulk of its posterior, beside each walker's."""
     recording = simulate_recording("quick", seed=11)
     quick = likelihood_of(recording)
-    assert quick.model._places.table.prior.taken
+    assert quick.model._places.table.prior.integrated_once
     monkeypatch.setattr(late_clock, "FAR_BETTER", np.inf)
     exact = likelihood_of(recording)
-    assert exact.model._places.table.prior.drawn
+    assert exact.model._places.table.prior.in_form
     sd = {"sigma_x": 0.02, "sigma_t": 0.08, "tau": 0.1, "omega": 0.2, "c1": 0.01}
     for sign in (-2, 0, 2):
         values = {

@@ -1,8 +1,8 @@
-"""Effects that change along a trial, as fixed responses times coefficients.
+"""Effects that change along a trial, as fixed responses with an amplitude for each walker.
 
-Responses are tabulated at rough coefficients. For each walker they are multiplied by the ratio of
-the effect's force to that at the rough coefficients, and by the feedback of tension, which a force
-along the path changes too.
+The responses are computed once, at rough friction coefficients. For each walker they are multiplied
+by two factors. The first is the ratio of the effect's force to its force at the rough coefficients.
+The second is the feedback of tension: a force along the path changes tension, and so friction.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,23 +18,24 @@ from bayesfric.rigs.gravity_board.places import TrialPlaces
 
 
 class EffectsAlong:
-    """What effects add along N trials.
+    """Responses of N trials to effects that change along them.
 
     Parameters
     ----------
     places : TrialPlaces
-        Where the trials are.
+        The trials and their measured motion.
     active : sequence of ActiveEffect
-        Effects along the path, on readings, and with phases.
+        Effects along the path, effects on readings, and effects with phases.
 
     Attributes
     ----------
     active : tuple of ActiveEffect
-        The same.
+        These effects.
     columns : Columns or None
-        What K responses add; None without effects of known phases.
+        K responses of effects without phases; None if there are none.
     scattered : Columns or None
-        What each component of effects adds whose phases are drawn anew in each trial.
+        Response to each component of effects with phases, which are independent in each trial;
+        None if there are none.
     """
 
     def __init__(self, places: TrialPlaces, active: Sequence[ActiveEffect]) -> None:
@@ -44,9 +45,9 @@ class EffectsAlong:
         forces = [effect for effect in without_phase if effect.effect.acts_on != "reading"]
         by_force, by_reading = [], []
         if forces:
-            by_force = linear_terms(forces, places.slowing, places.paths.seen)
+            by_force = linear_terms(forces, places.added_acceleration, places.paths.seen)
         if readings:
-            by_reading = linear_terms(readings, places.misread, np.asarray)
+            by_reading = linear_terms(readings, places.reading_response, np.asarray)
         self._terms: list[LinearTerm] = [*by_force, *by_reading]
         self.columns = joined(
             *(places.columns(list(term.responses)) for term in by_force),
@@ -58,14 +59,14 @@ class EffectsAlong:
         self.scattered = joined(*components)
 
     def variances(self, theta: Mapping[str, Array], law: Coefficients) -> list[Array]:
-        """Return the variance of each of :attr:`scattered`, arrays of shape (W, N).
+        """Return the variance of the coefficient of each of :attr:`scattered`, shape (W, N).
 
         Parameters
         ----------
         theta : mapping of str to ndarray of shape (W,)
             Parameters by name.
         law : Coefficients
-            Of each walker and trial, arrays of shape (W, N).
+            Coefficients for each walker and trial, arrays of shape (W, N).
         """
         variances = []
         for active, count in zip(self._phased, self._counts, strict=True):
@@ -74,13 +75,13 @@ class EffectsAlong:
         return variances
 
     def _components(self, active: ActiveEffect) -> Columns:
-        """Return what the components of an effect add, those of each sensor apart."""
+        """Return responses to an effect's components; for readings, separately for each sensor."""
         places, unit = self._places, {active.effect.amplitude.name: np.float64(1.0)}
         if active.effect.acts_on != "reading":
-            return places.columns(list(places.slowing(active, unit)))
+            return places.columns(list(places.added_acceleration(active, unit)))
         assert places.events is not None
         sensors = places.events.of_sensors
-        both = places.misread(active, unit)
+        both = places.reading_response(active, unit)
         return places.read_columns(
             np.concatenate([both * sensor for sensor in sensors if sensor.any()])
         )
@@ -88,21 +89,21 @@ class EffectsAlong:
     def amplitudes(
         self, theta: Mapping[str, Array], law: Coefficients
     ) -> tuple[list[Array], list[Array | float]]:
-        """Return the number of each response, and what of it scatters with friction.
+        """Return the coefficient of each response, and its part that scatters with friction.
 
         Parameters
         ----------
         theta : mapping of str to ndarray of shape (W,)
             Parameters by name.
         law : Coefficients
-            Of each walker and trial, arrays of shape (W, N).
+            Coefficients for each walker and trial, arrays of shape (W, N).
 
         Returns
         -------
         added : list of K ndarrays, shape (W, N)
-            Numbers.
+            Coefficients of the responses.
         scattered : list of K ndarrays, shape (W, N), or 0
-            The same of effects on friction; 0 of what scatter leaves alone.
+            The same coefficients for effects on friction; 0 for other effects.
         """
         added: list[Array] = []
         scattered: list[Array | float] = []
@@ -116,15 +117,15 @@ class EffectsAlong:
         return added, scattered
 
     def _scale(self, active: ActiveEffect, theta: Mapping[str, Array], law: Coefficients) -> Array:
-        """Return by what a response is to be multiplied beside its amplitude, shape (W, N)."""
+        """Return the factor of a response in addition to its amplitude, shape (W, N)."""
         places, effect = self._places, active.effect
         if effect.acts_on == "reading":
             return np.ones((1, places.acceleration.size))
         values = active.values(theta) | {effect.amplitude.name: np.float64(1.0)}
         force = effect.laws[active.law]
-        now = np.asarray(force(values, places.typical_state(law)))
-        then = np.asarray(force(values, places.typical_state(places.law)))
-        if effect.components:  # at the release, where the first is a cosine's crest
-            now, then = now[0], then[0]
-        ratio = np.divide(now, then, out=np.ones_like(now), where=then != 0)
+        at_walker = np.asarray(force(values, places.typical_state(law)))
+        at_rough = np.asarray(force(values, places.typical_state(places.law)))
+        if effect.components:  # the first is a cosine, which is largest at travel 0, used here
+            at_walker, at_rough = at_walker[0], at_rough[0]
+        ratio = np.divide(at_walker, at_rough, out=np.ones_like(at_walker), where=at_rough != 0)
         return np.asarray(ratio * tension_feedback(law, places.condition))

@@ -1,10 +1,10 @@
 """Trials that did not move: their friction at rest is at least the drive.
 
-A trial of the gravity board that does not move has no events. It shows only that friction at the
-release, with the deviations of its assembly and its own, is at least the drive. Without such
-trials, those with low friction would remain. The probability is integrated over the scatter of the
-assembly, which its moving trials inform (:mod:`bayesfric.inference.thresholds`). The trials are
-assumed to be released without a push.
+A trial of the gravity board that does not move has no events. It shows only that its friction at
+the release, including the deviations of the assembly and of the trial, is at least the drive. If
+such trials were left out, the remaining trials would be biased towards low friction. The
+probability is integrated over the deviations of the assembly, given its moving trials
+(:mod:`bayesfric.inference.thresholds`). The trials are assumed to be released without a push.
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,31 +31,31 @@ from bayesfric.rigs.gravity_board.wander import Wander
 
 
 class TrialsAtRest:
-    """M trials that did not move, beside those of their assemblies that did.
+    """M trials at rest, given N moving trials, some of which are on the same assemblies.
 
     Parameters
     ----------
     trials : DataFrame
-        The M trials; each pulley size is among those that moved.
+        The M trials at rest; each of their pulley sizes has a moving trial too.
     moving : DataFrame
-        The N trials that moved, those of an assembly adjacent.
+        The N moving trials; those of an assembly are adjacent.
     rig : RigConstants
-        The board.
+        Constants of the board.
     sizes : sequence of str
-        Pulley sizes of the trials that moved, in their order.
+        Pulley sizes of the moving trials, in their order.
     baseline : FrictionLaw
         The friction law.
     effects : sequence of ActiveEffect
-        What acts beside it; what acts on readings is of no concern here.
+        Effects that act in addition to the law; effects on readings are ignored.
     wander : Wander
-        Of friction along the travel.
+        Wander of friction along the travel.
     scatter : ScatterLevels
-        Of trials and assemblies.
+        Scatter of trials and assemblies.
 
     Attributes
     ----------
     setups : tuple of str
-        Assemblies on which no trial moved.
+        Assemblies without a moving trial.
     """
 
     def __init__(
@@ -91,7 +91,11 @@ class TrialsAtRest:
         self._forces = SteadyForces(baseline, self._condition, self._size, known_phase, self._state)
 
     def thresholds(self, theta: Mapping[str, Array]) -> Thresholds:
-        """Return how far each trial's drive is above its mean friction, in its own scatter."""
+        """Return each trial's drive minus its mean friction, in standard deviations of the trial.
+
+        The standard deviation includes the scatter of the trial, its wander and its phases, but
+        not the deviations of the assembly, which the result contains as slopes.
+        """
         friction, drive, _ = self._forces.at(theta)
         tau, omega, of_intercept = self._scatter.values(theta)
         law = self._size.coefficients(theta)
@@ -108,10 +112,10 @@ class TrialsAtRest:
         return Thresholds(moved / sd, (drive - friction) / sd)
 
     def setup_log_probability(self, theta: Mapping[str, Array], moving: GroupedNormal) -> Array:
-        """Return log P(at rest | those that moved) of each assembly, shape (W, J).
+        """Return log P(at rest | moving trials) of each assembly, shape (W, J).
 
-        `moving` is the density of the trials that moved. Assemblies of :attr:`setups` come last; 0
-        where every trial moved.
+        `moving` is the density of the moving trials. Assemblies of :attr:`setups` come last. The
+        value is 0 for an assembly without trials at rest.
         """
         above = self.thresholds(theta)
         mean, covariance = moving.numbers()
@@ -126,37 +130,38 @@ class TrialsAtRest:
         return log_probability
 
     def trial_log_density(self, theta: Mapping[str, Array], moving: GroupedNormal) -> Array:
-        """Return what trials at rest add to the log density of each that moved, given the rest.
+        """Return the term of the trials at rest in the leave-one-out log density of moving trials.
 
-        It is log P(at rest | all that moved) less log P(at rest | all others), shape (W, N).
+        For each moving trial, it is log P(at rest | all moving trials) minus
+        log P(at rest | all other moving trials), shape (W, N).
         """
         above = self.thresholds(theta)
         whole = self.setup_log_probability(theta, moving)
         mean, covariance = moving.numbers_without_each()
         log_density = np.zeros(mean.shape[:2])
-        for trial, place, members in self._beside():
+        for trial, place, members in self._moving_beside_resting():
             without = log_probability_above(mean[:, trial], covariance[:, trial], above.of(members))
             log_density[:, trial] = whole[:, place] - without
         return log_density
 
     def trial_cdf(self, theta: Mapping[str, Array], moving: GroupedNormal, cdf: Array) -> Array:
-        """Return the probability of less friction of each that moved, given the rest, (W, N).
+        """Return the CDF value of each moving trial's friction, given all other trials, (W, N).
 
         Parameters
         ----------
         theta : mapping of str to ndarray of shape (W,)
             Parameters by name.
         moving : GroupedNormal
-            Density of the trials that moved.
+            Density of the moving trials.
         cdf : ndarray, shape (W, N)
-            The same given the others that moved alone.
+            CDF values given the other moving trials only.
         """
         above, probability = self.thresholds(theta), cdf.copy()
         mean, covariance = moving.numbers_without_each()
         sd = np.sqrt(moving.variance)
-        for trial, _, members in self._beside():
+        for trial, _, members in self._moving_beside_resting():
             numbers, rest = (mean[:, trial], covariance[:, trial]), above.of(members)
-            # Less friction than r: minus it lies above minus r.
+            # P(friction < r) = P(−friction > −r), which is one more threshold.
             own = Thresholds(
                 -moving.moved[:, :, trial, None] / sd[:, trial, None],
                 -moving.residual[:, trial, None] / sd[:, trial, None],
@@ -165,8 +170,11 @@ class TrialsAtRest:
             probability[:, trial] = np.exp(together - log_probability_above(*numbers, rest))
         return probability
 
-    def _beside(self) -> "list[tuple[int, int, Whole]]":
-        """Return each trial that moved beside some at rest: its place, its assembly's, theirs."""
+    def _moving_beside_resting(self) -> "list[tuple[int, int, Whole]]":
+        """Return moving trials with trials at rest on their assembly.
+
+        Each item is the index of the trial, that of its assembly, and those of the trials at rest.
+        """
         return [
             (trial, int(place), self._members[int(place)])
             for trial, place in enumerate(self._assembly)

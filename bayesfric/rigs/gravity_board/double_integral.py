@@ -1,4 +1,4 @@
-"""Decelerations on the grids of the trials' paths, integrated twice, at the events."""
+"""Double integrals of accelerations along the paths of trials, evaluated at the events."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -9,24 +9,24 @@ from scipy.sparse import csr_array
 
 from bayesfric.arrays import Array, Whole
 
-ROWS_AT_ONCE = 4096  # of which columns are made: more would be most of what a diagnosis holds
-POINTS = 129  # of the grid in time; odd, for Simpson's rule
+ROWS_AT_ONCE = 4096  # rows whose columns are computed together: all would need too much memory
+POINTS = 129  # times of the grid of a path; odd, for Simpson's rule
 
 
 @dataclass(frozen=True)
 class DoubleIntegral:
-    """From accelerations along the paths to displacements of rows.
+    """The map from accelerations along paths to displacements at rows.
 
     Parameters
     ----------
     trial : ndarray of int, shape (E,)
-        Of each row, ascending.
+        Trial of each row, ascending.
     place : ndarray, shape (E,)
-        On the grid of its trial, in steps.
+        Time of each row on the grid of its trial, in steps of the grid.
     step_s : ndarray, shape (E,)
-        Of that grid [s].
+        Step of this grid [s].
     trials : int
-        How many there are, N.
+        Number of trials, N.
     """
 
     trial: Whole
@@ -40,17 +40,17 @@ class DoubleIntegral:
         Parameters
         ----------
         acceleration : ndarray, shape (C, N, P)
-            Along the paths [m/s²].
+            C accelerations along the path of each trial [m/s²].
 
         Returns
         -------
         ndarray, shape (E, C)
-            By cubic Hermite interpolation on the grid [m].
+            Displacements, by cubic Hermite interpolation on the grid [m].
         """
         at_places = np.concatenate(integrals(), axis=1).T
         ends = np.searchsorted(self.trial, np.arange(self.trials + 1))
         displacement = np.empty((self.trial.size, len(acceleration)))
-        start = 0  # some trials at a time: all rows by all places would be a large array
+        start = 0  # a few trials at a time: an array of all rows by all grid times is large
         while start < self.trials:
             stop = int(np.searchsorted(ends, ends[start] + ROWS_AT_ONCE, side="right")) - 1
             stop = max(stop, start + 1)
@@ -63,7 +63,10 @@ class DoubleIntegral:
         return displacement
 
     def _at_rows(self, rows: slice) -> csr_array:
-        """Return what speeds and travels on a grid of unit steps add to some rows, (e, 2 P)."""
+        """Return the weights of speed and travel on a grid of unit steps for some rows, (e, 2 P).
+
+        They are the weights of cubic Hermite interpolation, with the units of the rows' grids.
+        """
         left = np.minimum(self.place[rows].astype(int), POINTS - 2)
         share = self.place[rows] - left
         rise = share**2 * (3 - 2 * share)
@@ -77,6 +80,9 @@ class DoubleIntegral:
 
 @cache
 def integrals() -> tuple[Array, Array]:
-    """Return what turns values on a grid of unit steps into their first and second integral."""
+    """Return matrices of the first and second integral of values on a grid of unit steps.
+
+    A row of values times such a matrix is the row of its integrals, shape (P, P) each.
+    """
     first = scipy.integrate.cumulative_simpson(np.eye(POINTS), axis=1, initial=0)
     return first, np.asarray(scipy.integrate.cumulative_simpson(first, axis=1, initial=0))

@@ -1,4 +1,4 @@
-"""How effects change the trials of the gravity board: their motion and their readings."""
+"""Simulated motion and events of the gravity board's trials with effects."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
@@ -13,20 +13,20 @@ from bayesfric.physics.gravity import Condition, nominal_tension, trajectory
 from bayesfric.physics.stepped import SteppedMotion, step_board
 from bayesfric.rigs.acting import PhasedEffect, of_kind, total
 
-STEPS = 900  # of Runge-Kutta, over LONGEST times the time without effects
-LONGEST = 3.0
-CORRECTIONS = 3  # of an acceleration that its own tension changes, by a hundredth of itself
-SPEED_STEP_S = 1e-3  # over which speeds are compared for an acceleration
+LONGEST = 3.0  # longest simulated time, relative to the duration of a trial without effects
+STEPS = 900  # steps of the Runge-Kutta method in this time
+CORRECTIONS = 3  # iterations of the acceleration, which changes tension and so itself by about 1 %
+SPEED_STEP_S = 1e-3  # time step of the difference quotient of an acceleration
 
 
 class TrialMotion(Protocol):
-    """Motion of trials, closed or stepped; arrays of shape (N, …)."""
+    """Motion of N trials, in closed form or by steps; arrays of shape (N, …)."""
 
     def time_at(self, position_m: Array, /) -> Array:
-        """Return when distances are reached [s]."""
+        """Return the times at which positions are reached [s]."""
 
     def speed(self, time_s: Array, /) -> Array:
-        """Return the speed at times [m/s]."""
+        """Return the speed at given times [m/s]."""
 
 
 def trial_motion(
@@ -39,26 +39,27 @@ def trial_motion(
     wander: Callable[[Array], Array] | None = None,
     start_speed_m_s: Array | float = 0.0,
 ) -> SteppedMotion:
-    """Integrate trials from their release with all forces that effects add.
+    """Integrate the motion of trials from their release, with the forces of effects.
 
     Parameters
     ----------
     law : Coefficients
-        Of each trial, shape (N,).
+        Coefficients of each trial, shape (N,).
     condition : Condition
-        Of each trial.
+        Condition of each trial.
     factor : ndarray, shape (N,)
-        Scatter, of friction and of effects on friction; a drive is not scattered.
+        Factor of friction and of effects on friction (1 plus scatter); effects on the drive do
+        not have it.
     acting : sequence of PhasedEffect
-        Those on friction and drive are used.
+        Effects; those on readings and currents are ignored.
     around : mapping
         Further fields of :class:`State`, see :func:`surroundings`.
     distance_m : float
-        How far the trials are followed [m].
+        Travel at which the integration ends [m].
     wander : callable or None
-        Travel of each trial, shape (N,), to what is added to `factor` there.
+        Function of the travel of each trial, shape (N,), that returns a term of `factor`.
     start_speed_m_s : ndarray, shape (N,), or float
-        At the release [m/s].
+        Speed at the release [m/s].
     """
     plain = trajectory(law, condition).time_at(np.full_like(factor, distance_m))
     duration = LONGEST * np.where(np.isfinite(plain), plain, 1.0)
@@ -79,39 +80,40 @@ def _acceleration(
     along: Mapping[str, Any],
     speed: Array,
 ) -> Array:
-    """Return the acceleration of trials that move, effects included [m/s²]."""
+    """Return the acceleration of moving trials, with effects [m/s²]."""
     n, wrap, mass = condition.n_pulleys, condition.wrap_angle_deg, condition.total_mass_kg
     on_friction, on_drive = of_kind(acting, "friction"), of_kind(acting, "drive")
 
-    def state(a: Array) -> State:
+    def state_at(a: Array) -> State:
         tension = nominal_tension(condition, a)
         return State.of(law, n, wrap, tension, speed, acceleration_m_s2=a, **along)
 
-    def friction(at: State) -> Array:
-        return np.asarray(coulomb_friction(law, n, wrap, at.tension_n) + total(on_friction, at))
+    def friction(state: State) -> Array:
+        law_friction = coulomb_friction(law, n, wrap, state.tension_n)
+        return np.asarray(law_friction + total(on_friction, state))
 
     def unscattered(a: Array) -> Array:
-        at = state(a)
-        force = condition.drive_force_n - friction(at) - total(on_drive, at)
+        state = state_at(a)
+        force = condition.drive_force_n - friction(state) - total(on_drive, state)
         return np.asarray(force / mass)
 
-    # Scatter multiplies the friction of the condition: tension is that without it.
+    # By definition, scatter multiplies friction at the tension of the motion without scatter.
     mean = _fixed_point(unscattered, condition.drive_force_n / mass)
-    scattered = factor * friction(state(mean))
+    scattered = factor * friction(state_at(mean))
     if not on_drive:
         return np.asarray((condition.drive_force_n - scattered) / mass)
     return _fixed_point(
-        lambda a: (condition.drive_force_n - scattered - total(on_drive, state(a))) / mass, mean
+        lambda a: (condition.drive_force_n - scattered - total(on_drive, state_at(a))) / mass, mean
     )
 
 
-def _fixed_point(of: Callable[[Array], Array], start: Array) -> Array:
-    """Return x = of(x): at once where `of` is a straight line, else by corrections."""
-    x = of(start)
-    slope = of(start + 1) - x
+def _fixed_point(function: Callable[[Array], Array], start: Array) -> Array:
+    """Return the x with function(x) = x; the first iteration is exact for a linear function."""
+    x = function(start)
+    slope = function(start + 1) - x
     x = start + (x - start) / (1 - slope)
     for _ in range(CORRECTIONS - 1):
-        x = x + (of(x) - x) / (1 - slope)
+        x = x + (function(x) - x) / (1 - slope)
     return x
 
 
@@ -123,27 +125,27 @@ def passing_times(
     magnets_per_revolution: int,
     acting: Sequence[PhasedEffect],
 ) -> Array:
-    """Return when magnets pass, those of effects on readings off their places.
+    """Return the times at which magnets pass the sensors, with effects on readings.
 
     Parameters
     ----------
     motion : TrialMotion
-        Of N trials.
+        Motion of N trials.
     place_m : ndarray, shape (N, sensors, events)
-        Travel at which a magnet would pass without these effects [m].
+        Travel at which a magnet passes without such effects [m].
     displacement_m : ndarray, shape (events,)
-        What is written down [m].
+        Displacement that is recorded for each event [m].
     condition : Condition
-        Of each trial.
+        Condition of each trial.
     magnets_per_revolution : int
-        Of the sensor pulley.
+        Number of magnets of the sensor pulley.
     acting : sequence of PhasedEffect
-        Those on readings are used.
+        Effects; only those on readings are used.
 
     Returns
     -------
     ndarray, shape (N, sensors, events)
-        Since the release; inf where a trial never gets there [s].
+        Times since the release; inf if a trial does not move that far [s].
     """
     time = motion.time_at(place_m)
     on_reading = of_kind(acting, "reading")

@@ -1,14 +1,14 @@
-"""The paper's own estimator: friction of each trial, then slopes, then slopes of slopes.
+"""The paper's estimator: friction of each trial, then slopes, then slopes of slopes.
 
-1. The friction fc of each trial by least squares on its motion, with eq. (4).
-2. At each (size, n, θ) a straight line of fc against nominal tension, with its R².
-3. At 85°, the slopes and the intercepts of these lines as proportional to n,
-   eqs. (6) and (7): c1 and c2.
-4. At each n, a straight line of the slopes against θ; its slopes as proportional
-   to n, eqs. (9) to (11): c3.
+1. The friction fc of each trial is estimated by least squares on its motion, with eq. (4).
+2. For each (size, n, θ), a straight line of fc against nominal tension is fitted.
+3. At 85°, the slopes and the intercepts of these lines are fitted as proportional to n, eqs. (6)
+   and (7). The results are c1 and c2.
+4. For each n, a straight line of the slopes of step 2 against θ is fitted. The slopes of these
+   lines are fitted as proportional to n, eqs. (9) to (11). The result is c3.
 
-Nothing is weighted and nothing has an uncertainty. What the trials cannot tell is None, with the
-reason. It is printed beside the posterior.
+All fits are unweighted, and the results have no uncertainty. A quantity that the trials do not
+determine is None, with the reason. Reports show the estimates next to the posterior.
 """
 
 from collections.abc import Sequence
@@ -23,31 +23,31 @@ from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.physics.gravity import Condition, nominal_tension
 from bayesfric.recording.tables import Gravity, RigConstants
 
-LEAST_TENSION_RATIO = 1.1  # largest over least tension of a line
-LEAST_ANGLE_SPAN_DEG = 5.0
-ANGLE_TOLERANCE_DEG = 0.5  # around 85°
+LEAST_TENSION_RATIO = 1.1  # required ratio of the largest to the least tension of a line
+LEAST_ANGLE_SPAN_DEG = 5.0  # required range of wrap angles of a line
+ANGLE_TOLERANCE_DEG = 0.5  # of an angle that counts as 85°
 
 
 @dataclass(frozen=True)
 class TrialFriction:
-    """Step 1 for one trial.
+    """The result of step 1 for one trial.
 
     Parameters
     ----------
     trial, pulley_size : str
-        As recorded.
+        Recorded identifier and pulley size.
     n_pulleys : int
         Number of pulleys.
     wrap_angle_deg : float
         Average individual wrap angle [deg].
     tension_n : float or None
-        Nominal tension at the acceleration that fc gives [N].
+        Nominal tension at the acceleration that follows from fc [N].
     friction_n : float or None
         fc [N].
     r_squared : float or None
-        Of the trial's motion; None for an acceleration without events.
+        R² of the trial's motion; None for an acceleration without events.
     reason : str or None
-        Why there is no friction.
+        Why there is no estimate of friction.
     """
 
     trial: str
@@ -61,23 +61,23 @@ class TrialFriction:
 
 
 def constant_friction(events: pd.DataFrame, condition: Condition) -> tuple[float, float]:
-    """Fit fc, the start speed and an offset a sensor to the displacements of one trial.
+    """Fit fc, the first speed and an offset for each sensor to the displacements of one trial.
 
     Parameters
     ----------
     events : DataFrame
-        ``sensor``, ``displacement_m``, ``time_s`` of the trial; more events than
-        numbers fitted.
+        ``sensor``, ``displacement_m`` and ``time_s`` of the trial; more events than fitted
+        parameters.
     condition : Condition
-        Masses and gravity of the trial, numbers.
+        Masses and gravity of the trial, as numbers.
 
     Returns
     -------
     friction : float
-        fc of the motion of eq. (4) that fits best [N].
+        fc of the motion of eq. (4), by least squares [N].
     r_squared : float
-        1 − residual over total sum of squares of displacement, each sensor around
-        its own mean.
+        1 − residual over total sum of squares of the displacement. The total is taken around
+        the mean of each sensor.
     """
     time = events["time_s"].to_numpy()
     time = time - time.min()
@@ -94,19 +94,19 @@ def constant_friction(events: pd.DataFrame, condition: Condition) -> tuple[float
 
 
 def trial_frictions(gravity: Gravity, rig: RigConstants) -> tuple[TrialFriction, ...]:
-    """Return step 1: fc of each trial with eq. (4), or from its measured acceleration.
+    """Return step 1: fc of each trial with eq. (4), from its events or its acceleration.
 
     Parameters
     ----------
     gravity : Gravity
-        As recorded.
+        Trials and events.
     rig : RigConstants
-        For gravity.
+        Constants of the board, for the acceleration of free fall.
 
     Returns
     -------
     tuple of TrialFriction
-        In the order of the trials.
+        Results in the order of the trials.
     """
     events = {str(trial): rows for trial, rows in gravity.events.groupby("trial", sort=False)}
     frictions = []
@@ -153,10 +153,10 @@ class Slope(NamedTuple):
     Parameters
     ----------
     value : float or None
-        The slope; its unit is where it is used.
+        The slope; the unit depends on its use.
     r_squared : float or None
-        1 − residual over total sum of squares around the mean; None where the points
-        are no more than the numbers fitted. Below 0 a constant would fit better.
+        1 − residual over total sum of squares around the mean. It is negative if a constant
+        fits better, and None if there are not more points than fitted parameters.
     reason : str or None
         Why there is no value.
     """
@@ -168,7 +168,7 @@ class Slope(NamedTuple):
 
 @dataclass(frozen=True)
 class CellLine:
-    """Step 2: friction against tension at one (size, n, θ).
+    """The result of step 2 for one (size, n, θ): friction against tension.
 
     Parameters
     ----------
@@ -177,11 +177,11 @@ class CellLine:
     wrap_angle_deg : float
         Average individual wrap angle [deg].
     trials : int
-        With a friction.
+        Number of trials with an estimate of friction.
     slope : Slope
         dfc/dT [-].
     intercept_n : float or None
-        fc at no tension [N].
+        fc at zero tension [N].
     """
 
     n_pulleys: int
@@ -193,7 +193,7 @@ class CellLine:
 
 @dataclass(frozen=True)
 class WrapLine:
-    """Step 4 before n: the slopes of step 2 against θ at one (size, n).
+    """The first part of step 4 for one (size, n): the slopes of step 2 against θ.
 
     Parameters
     ----------
@@ -209,18 +209,18 @@ class WrapLine:
 
 @dataclass(frozen=True)
 class SizeEstimate:
-    """Coefficients of a pulley size, and the lines that they come from.
+    """Coefficients of a pulley size, and the lines from which they follow.
 
     Parameters
     ----------
     pulley_size : str
-        As recorded.
+        Recorded pulley size.
     cells : tuple of CellLine
-        By n and θ.
+        Lines of step 2, sorted by n and θ.
     wraps : tuple of WrapLine
-        By n.
+        Lines of step 4, sorted by n.
     c1, c2, c3 : Slope
-        In 1, N and 1/deg.
+        Coefficients [-], [N] and [1/deg].
     """
 
     pulley_size: str
@@ -237,12 +237,12 @@ def lines_of_sizes(trials: Sequence[TrialFriction]) -> tuple[SizeEstimate, ...]:
     Parameters
     ----------
     trials : sequence of TrialFriction
-        Step 1.
+        Results of step 1.
 
     Returns
     -------
     tuple of SizeEstimate
-        In the order in which the sizes appear.
+        Results in the order in which the sizes appear.
     """
     return tuple(
         _size(size, [trial for trial in trials if trial.pulley_size == size])
@@ -251,7 +251,7 @@ def lines_of_sizes(trials: Sequence[TrialFriction]) -> tuple[SizeEstimate, ...]:
 
 
 def is_upright(wrap_angle_deg: float) -> bool:
-    """Return whether a wrap angle counts as the 85° at which c1 and c2 are read off."""
+    """Return whether a wrap angle counts as 85°, at which c1 and c2 are estimated."""
     return abs(wrap_angle_deg - REFERENCE_WRAP_ANGLE_DEG) <= ANGLE_TOLERANCE_DEG
 
 
@@ -306,18 +306,21 @@ def _wrap_slope(cells: list[CellLine]) -> Slope:
 
 def _line(x: Array, y: Array) -> tuple[Slope, float]:
     """Return slope and intercept of the least-squares line."""
-    apart = x - x.mean()
-    slope = float(apart @ y / (apart @ apart))
+    centred = x - x.mean()
+    slope = float(centred @ y / (centred @ centred))
     intercept = float(y.mean() - slope * x.mean())
     return Slope(slope, _r_squared(y, slope * x + intercept, fitted=2)), intercept
 
 
 def _proportional(n_pulleys: Sequence[int], values: Sequence[float | None], none: str) -> Slope:
-    """Return the slope of the least-squares line through the origin, over values there are."""
-    there = [(n, value) for n, value in zip(n_pulleys, values, strict=True) if value is not None]
-    if not there:
+    """Return the slope of the least-squares line through the origin; None values are ignored.
+
+    `none` is the reason if there are no values.
+    """
+    defined = [(n, value) for n, value in zip(n_pulleys, values, strict=True) if value is not None]
+    if not defined:
         return Slope(None, None, none)
-    n, value = np.array(there, dtype=np.float64).T
+    n, value = np.array(defined, dtype=np.float64).T
     slope = float(n @ value / (n @ n))
     return Slope(slope, _r_squared(value, slope * n, fitted=1))
 
@@ -331,14 +334,14 @@ def _r_squared(y: Array, fit: Array, *, fitted: int) -> float | None:
 
 @dataclass(frozen=True)
 class PaperEstimate:
-    """All steps.
+    """Results of all steps.
 
     Parameters
     ----------
     trials : tuple of TrialFriction
-        In the order of the recording.
+        Results of step 1, in the order of the trials.
     sizes : tuple of SizeEstimate
-        In the order in which the sizes appear.
+        Results of steps 2 to 4, in the order in which the sizes appear.
     """
 
     trials: tuple[TrialFriction, ...]
@@ -351,14 +354,14 @@ def estimate_as_the_paper(gravity: Gravity, rig: RigConstants) -> PaperEstimate:
     Parameters
     ----------
     gravity : Gravity
-        Trials that enter; stalled ones are the caller's to exclude.
+        Trials and events. The caller must exclude stalled trials.
     rig : RigConstants
-        For gravity.
+        Constants of the board, for the acceleration of free fall.
 
     Returns
     -------
     PaperEstimate
-        Every step.
+        Results of all steps.
     """
     trials = trial_frictions(gravity, rig)
     return PaperEstimate(trials, lines_of_sizes(trials))

@@ -1,10 +1,9 @@
-"""Events of the gravity board, row by row, and what forces along the paths do to them.
+"""Events of the gravity board as rows of a linear model, and responses to forces along the paths.
 
-An event's displacement deviates from the motion that the reference law predicts by an
-offset a sensor, a first speed, and what every force and every error of a reading does
-to it. A force h(τ) along the path moves the cable by ``−∫∫ h dτ² / (m1 + m2)``; where
-tension adds friction of its own, by that times a feedback. A trial that has an
-acceleration alone is one row: the travel that it makes from rest.
+The displacement of an event is that of the reference law, plus an offset of the sensor, a first
+speed times time, and responses to all forces and errors of readings. A force h(τ) along the path
+moves the cable by ``−∫∫ h dτ² / (m1 + m2)`` times a feedback factor, because the force changes
+tension and so friction. A trial with only an acceleration is one row, its travel from rest.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -31,40 +30,43 @@ from bayesfric.rigs.gravity_board.reference_motion import ReferenceMotion
 
 
 class EventColumns(ReferenceMotion, LinearRows):
-    """Events as rows of a linear model, and what forces along the paths do to them.
+    """Events as rows of a linear model, and their responses to forces along the paths.
 
     Parameters
     ----------
     gravity : Gravity
-        N trials that enter, those of an assembly adjacent.
+        N trials that are used; those of an assembly are adjacent.
     rig : RigConstants
-        The board.
+        Constants of the board.
     laws : mapping of str to Coefficients
-        The reference law of each pulley size.
+        Reference law of each pulley size.
     measured : MeasuredMotion
-        Of the trials.
+        Measured motion of the trials.
     acting : sequence of (Candidate, float)
-        Effects on friction, with their amplitudes, with which a trial starts to move: its
-        first speed tells how far it has come by the first event.
+        Effects on friction, with their amplitudes. They act before the first event: the travel
+        up to it is computed from the first speed, with the law and these effects.
+    law : FrictionLaw
+        The friction law.
 
     Attributes
     ----------
     table : DataFrame
         The N trials.
     law : Coefficients
-        Of each trial, arrays of shape (N,).
+        Coefficients of each trial, arrays of shape (N,).
     friction_n, acceleration : ndarray, shape (N,)
-        By the reference law; no acceleration below zero counts as motion.
+        Friction [N] and acceleration [m/s²] by the reference law; the latter is at least 0.
     order : ndarray, shape (N,)
-        Place in the recording, 0 to 1; 0.5 where there is no order.
+        Position in the order of the recording, 0 to 1; 0.5 without an order.
     events : Events
-        E rows, sorted by trial; its regressors are those of a motion.
+        E rows, sorted by trial, with the regressors of a constant acceleration.
     residual : ndarray, shape (E,)
-        Displacement less that of the reference motion, offset and first speed left in [m].
+        Displacement minus that of the reference motion from rest, so that offsets and first
+        speed are still included [m].
     variance : ndarray, shape (E,)
-        Of a row, by a first estimate of the noise [m²].
+        Variance of each row by a first estimate of the noise [m²].
     unstated : bool
-        Whether all trials have an acceleration alone, without its standard error.
+        Whether all trials have only an acceleration, without its standard error.
     """
 
     name = "gravity"
@@ -82,20 +84,27 @@ class EventColumns(ReferenceMotion, LinearRows):
     ) -> None:
         super().__init__(gravity, rig, laws, measured, acting, law)
         duration = self._paths.step_s[:, 0] * (POINTS - 1)
-        self.events, alone, stated = with_accelerations(self.table, measured.events, duration)
+        self.events, without_events, stated = with_accelerations(
+            self.table, measured.events, duration
+        )
         displacement = self.events.displacement
-        self.residual = displacement - self._predicted[self.events.trial] * self.events.tau**2 / 2
+        self.residual = (
+            displacement - self._law_acceleration[self.events.trial] * self.events.tau**2 / 2
+        )
         self.unstated = bool(
-            alone.all() and np.isnan(optional_column(self.table, "acceleration_sd_m_s2")).all()
+            without_events.all()
+            and np.isnan(optional_column(self.table, "acceleration_sd_m_s2")).all()
         )
         self._speed = self._at_rows(self._paths.speed_m_s)
         self._longest_m = float(self._travel.max())
-        self._whole: Any = self
+        self._whole_board: Any = self  # of all trials, also in a part
         self._one_sided: dict[tuple[Any, ...], bool] = {}
-        self.variance = variance_of(self.events, measured.rough, self._speed**2, alone, stated)
+        self.variance = variance_of(
+            self.events, measured.residual, self._speed**2, without_events, stated
+        )
 
     def parts(self) -> Iterator[tuple[slice, Self]]:
-        """Yield trials, some at a time: which they are, and they alone."""
+        """Yield blocks of adjacent trials: their slice, and the rows of these trials alone."""
         ends = np.append(self.events.starts[1:], self.events.tau.size)
         start = 0
         while start < len(self.table):
@@ -105,7 +114,7 @@ class EventColumns(ReferenceMotion, LinearRows):
             start = stop
 
     def part(self, trials: slice) -> Self:
-        """Return some trials that lie next to each other."""
+        """Return the rows of some adjacent trials."""
         starts = np.append(self.events.starts, self.events.tau.size)
         rows = slice(int(starts[trials.start]), int(starts[trials.stop]))
         counts = {len(self.table): trials, self.events.tau.size: rows}
@@ -126,16 +135,16 @@ class EventColumns(ReferenceMotion, LinearRows):
         return part
 
     def forces(self, force_n: Array) -> Array:
-        """Return what forces against the motion do to each row, shape (E, …) [m].
+        """Return the response of each row to forces opposing the motion, shape (E, …) [m].
 
         Parameters
         ----------
-        force_n : ndarray
-            Along the paths, (…, N, P) or what broadcasts to it [N].
+        force_n : ndarray, broadcasts to (…, N, P)
+            Forces along the paths [N].
         """
         shape = (*np.shape(force_n)[:-2], *self._travel.shape)
         along = np.broadcast_to(force_n, shape).reshape(-1, *self._travel.shape)
-        travel = -self._slowed[self.events.trial] * self._integral.of(along)
+        travel = -self._deceleration_per_n[self.events.trial] * self._integral.of(along)
         return np.asarray(travel.reshape(self.events.tau.size, *shape[:-2]))
 
     @cached_property
@@ -144,26 +153,26 @@ class EventColumns(ReferenceMotion, LinearRows):
         return DoubleIntegral(self.events.trial, self.events.tau / step, step, len(self.table))
 
     def coefficient_forces(self) -> Array:
-        """Return the force of c1, c2 and c3 along the paths, shape (3, N, 1) [N per unit]."""
+        """Return the derivatives of the force by c1, c2 and c3, shape (3, N, 1) [N per unit]."""
         n = np.asarray(self.state.n_pulleys, dtype=np.float64)
         tension = np.asarray(self.state.tension_n)
-        turn = np.asarray(self.state.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG
-        return np.stack([n * tension, n, n * tension * turn])
+        wrap_change = np.asarray(self.state.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG
+        return np.stack([n * tension, n, n * tension * wrap_change])
 
     def scatter_columns(self, waves: int) -> Array:
-        """Return what relative deviations of friction do to each row.
+        """Return the responses of each row to relative deviations of friction.
 
         Parameters
         ----------
         waves : int
-            Cosines along the travel.
+            Number of cosines along the travel.
 
         Returns
         -------
         ndarray, shape (E, 2 + waves)
-            Of all friction, of the intercept's part, and of each cosine [m].
+            Responses to a deviation of all friction, of its intercept, and of each cosine [m].
         """
-        # Friction of the reference law is what it is with its tension: no feedback twice.
+        # The friction is that at its own tension, so the feedback factor must not act again.
         friction, intercept = (
             force[:, None] / self._feedback for force in (self.friction_n, self.intercept_n)
         )
@@ -173,21 +182,21 @@ class EventColumns(ReferenceMotion, LinearRows):
 
     @cached_property
     def _clock(self) -> Array:
-        """What the load sensor's clock adds where it is late by a prior standard deviation."""
+        """Response to a load sensor's clock that is late by one prior standard deviation."""
         return late_column(self.events, self._speed) * clock_sd_s(self.constants)
 
     def clock_column(self) -> Array:
-        """Return what the offset between the sensors' clocks does at unit size, (E,) [m].
+        """Return the response to a clock offset of one prior standard deviation, (E,) [m].
 
-        It is late by a standard deviation of its prior, in trials that both sensors recorded.
+        It is 0 in trials that only one sensor recorded.
         """
         return self._clock
 
     @cached_property
     def clock_residual(self) -> Array:
-        """The residual with the offset counted from its prior mean, shape (E,) [m].
+        """The residual for a clock offset whose prior mean is 0, shape (E,) [m].
 
-        Times may have been moved by the most likely offset of a trial.
+        :attr:`residual` may contain times that were shifted by the most likely offset.
         """
         sd = clock_sd_s(self.constants)
         shifts = clock_shifts(self._gravity.events, self.table["trial"])
@@ -196,21 +205,21 @@ class EventColumns(ReferenceMotion, LinearRows):
         return np.asarray(self.residual + self._clock * shifts[self.events.trial] / sd)
 
     def smooth_forces(self, smooth: Smooth, force_n: Array) -> Array:
-        """Return a smooth force of unit size, broadcasts to (k, N, P) [N].
+        """Return the forces of a smooth process at unit coefficients, broadcasts to (k, N, P) [N].
 
         Parameters
         ----------
         smooth : Smooth
-            The process.
+            The smooth process.
         force_n : ndarray, shape (N,)
-            Unit of the force in each trial, unless it is friction [N].
+            Scale of the force in each trial, if it is not relative to friction [N].
         """
         shapes = smooth.columns(self.covariates())
         unit = self.friction_n if smooth.relative else force_n
         return np.asarray(unit[:, None] * shapes)
 
     def _at_rows(self, values: Array) -> Array:
-        """Interpolate what is known along the paths to the rows, shape (E,)."""
+        """Interpolate values on the grids of the paths to the times of the rows, shape (E,)."""
         place = self.events.tau / self._paths.step_s[self.events.trial, 0]
         left = np.minimum(place.astype(int), values.shape[1] - 2)
         share = place - left
@@ -218,5 +227,5 @@ class EventColumns(ReferenceMotion, LinearRows):
         return np.asarray((1 - share) * values[rows, left] + share * values[rows, left + 1])
 
     def rows_of_trials(self) -> Iterator[slice]:
-        """Yield the rows of each trial."""
+        """Return the slices of the rows of each trial."""
         return self.events.rows_of_trials()

@@ -1,20 +1,21 @@
-"""Missed and doubled Hall events, found by the motion and repaired by a stated rule.
+"""Detection and repair of missed, doubled and stray Hall events, by a stated rule.
 
-The recorder counts events. One that it misses leaves every later displacement of
-that sensor a spacing short; one that it sees twice, a spacing long. The motion
-tells: between two neighbouring events the cable travels one spacing, and events
-nearby predict far better than half of one where the cable is.
+The recorder counts events. After a missed event, all later displacements of this sensor are one
+spacing too small. After an event that was counted twice, they are one spacing too large. The
+motion shows such faults: between two neighbouring events the cable travels one spacing, and
+nearby events predict the position of the cable to much less than half a spacing.
 
-A train whose events lie within `CLEAN` of one quadratic in time is left alone.
-In another, the motion is followed from its cleanest `SEED` events outwards. A
-quadratic through the `WINDOW` events nearest to the next one, at most, says how
-far the cable has come, and the nearest whole number of spacings is the event's
-place. Two events of one place are one doubled event; an event further than `ODD`
-from any place is a stray. Both are taken out. A displacement that skips a spacing,
-with a time to match, is right as it stands: there are just fewer data.
+Nothing is changed in a train (the events of one trial and sensor) if all its events lie within
+`CLEAN_SPACING` of a quadratic in time. In other trains, the motion is followed in both directions
+from the `SEED` consecutive events that fit a quadratic best. A quadratic through the nearest
+events, at most `WINDOW`, predicts the position of the next one. The nearest whole number of
+spacings is the place of this event. If two events have the same place, one of them is a doubled
+event. An event further than `AMBIGUOUS_FROM` from all places is a stray. Doubled and stray events
+are removed. A displacement that skips a spacing at a matching time is kept: an event is missing
+there, but the count is right.
 
-No motion is assumed beyond being smooth over a few events, so that runout or
-viscous friction do not look like faults.
+The motion is assumed to be smooth over a few events only, so that runout of a pulley or viscous
+friction is not taken for a fault.
 """
 
 from collections.abc import Iterable
@@ -28,29 +29,28 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.recording.consistency import MINIMUM_EVENTS
 from bayesfric.rigs.gravity_board.event_trains import SENSORS, event_trains, quadratic_fits
 
-CLEAN_SPACING = 0.05  # of a spacing: 0.5 mm, five times a poor sensor's noise of 0.1 mm
-SEED = 6  # events: three more than a quadratic takes
-WINDOW = 6  # events: with more, friction that changes fast at a slow start looks like faults
-AMBIGUOUS_FROM = 0.4  # of a spacing; in 0.4 to 0.6 neither neighbour is meant
-LEFT_OVER = 0.25  # of a spacing, after repair
-LARGEST_SHARE = 0.2  # of a train's events that may be at fault
-NOISE_LIMIT = 5.0  # standard deviations, before the later of two edges is believed
+CLEAN_SPACING = 0.05  # in spacings: 0.5 mm, five times the noise of a poor sensor (0.1 mm)
+SEED = 6  # events: three more than a quadratic has coefficients
+WINDOW = 6  # events: with more, a fast change of friction at a slow start looks like a fault
+AMBIGUOUS_FROM = 0.4  # in spacings; at a distance of 0.4 to 0.5 the nearest place is ambiguous
+LEFT_OVER = 0.25  # in spacings: largest residual after repair
+LARGEST_SHARE = 0.2  # largest share of faulty events in a train that is repaired
+NOISE_LIMIT = 5.0  # in standard deviations: beyond it, the later of two edges may be the right one
 NORMAL_MAD = 0.6745  # median absolute deviation of a standard normal
 
 
 @dataclass(frozen=True)
 class RepairedEvents:
-    """Events fit for use, and what was done to get there.
+    """Repaired events, and a table of the repairs.
 
     Parameters
     ----------
     events : DataFrame
-        As recorded, less the events that were taken out, displacements of repaired
-        trains counted anew.
+        Recorded events without the removed ones, with corrected displacements.
     repaired : DataFrame
-        One row a train that was not clean: `trial`, `sensor`; `missed` and `doubled`
-        events; `removed`, rows taken out as doubled or stray; `used`, false where
-        the train could not be repaired and all of it left.
+        One row for each train that was repaired or dropped: `trial` and `sensor`; number of
+        `missed` and `doubled` events; `removed`, the number of removed rows; `used`, false if
+        the train could not be repaired and was dropped.
     """
 
     events: pd.DataFrame
@@ -59,7 +59,7 @@ class RepairedEvents:
 
 @dataclass(frozen=True)
 class _Repair:
-    """What becomes of one train: places in spacings, and which events stay."""
+    """Repair of one train: places of its events in spacings, and which events are kept."""
 
     place: Array
     kept: Flags
@@ -71,21 +71,22 @@ class _Repair:
 def repair_events(
     events: pd.DataFrame, trial_ids: pd.Series, *, spacing_m: float
 ) -> RepairedEvents:
-    """Find missed, doubled and stray events, and repair each train or drop it.
+    """Find missed, doubled and stray events, and repair or drop each train with such events.
 
     Parameters
     ----------
     events : DataFrame
         Event table of a recording, in any order of rows; may be empty.
     trial_ids : Series of str, length N
-        The trials.
+        Identifiers of the trials.
     spacing_m : float
         Travel between two events [m].
 
     Returns
     -------
     RepairedEvents
-        `events` itself where nothing was wrong. Repairing again changes nothing.
+        Its `events` are the argument itself if no train has a fault. A second repair changes
+        nothing.
     """
     trains = event_trains(events, trial_ids, spacing_m)
     sizes = trains.sizes
@@ -125,23 +126,23 @@ def repair_events(
 
 
 def _is_smooth(time: Array, recorded: Array) -> bool:
-    """Return whether no event is off the motion of those around it: nothing is to repair."""
+    """Return whether each event is close to the motion of its neighbours."""
     return bool(np.abs(_window_residuals(time, recorded, WINDOW)).max() <= CLEAN_SPACING)
 
 
 def _repair(time: Array, recorded: Array) -> _Repair:
-    """Count one train anew."""
-    nothing = _Repair(recorded, np.zeros(recorded.size, dtype=bool), 0, 0, usable=False)
+    """Return the repair of one train."""
+    dropped = _Repair(recorded, np.zeros(recorded.size, dtype=bool), 0, 0, usable=False)
     if recorded.size < MINIMUM_EVENTS:
-        return nothing
-    place = _follow(time, recorded)
+        return dropped
+    place = _trace_places(time, recorded)
     if place is None:
-        return nothing
-    kept = _one_each(time, place)
+        return dropped
+    kept = _one_for_each_place(time, place)
     which = np.flatnonzero(kept)
     steps = np.diff(place[which])
     counted = np.diff(recorded[which])
-    # A row that leaves had advanced the recorder's counter.
+    # Each removed row had advanced the recorder's counter by one.
     excess = steps - (counted - (np.diff(which) - 1))
     seen_twice = np.count_nonzero(~kept & np.isfinite(place))
     missed = int(excess[excess > 0].sum())
@@ -156,8 +157,8 @@ def _repair(time: Array, recorded: Array) -> _Repair:
     return _Repair(place - place[which[0]], kept, missed, doubled, bool(usable))
 
 
-def _follow(time: Array, recorded: Array) -> Array | None:
-    """Return each event's place, NaN for a stray; None where the train has no clean part."""
+def _trace_places(time: Array, recorded: Array) -> Array | None:
+    """Return each event's place, NaN for a stray; None if no part of the train is clean."""
     width = min(SEED, recorded.size)
     worst = np.abs(_window_residuals(time, recorded, width)).max(axis=1)
     seed = int(worst.argmin())
@@ -166,25 +167,25 @@ def _follow(time: Array, recorded: Array) -> Array | None:
     place = np.full(recorded.size, np.nan)
     place[seed : seed + width] = recorded[seed : seed + width]
     placed = list(range(seed, seed + width))
-    _extend(time, recorded, place, placed, range(seed + width, recorded.size))
+    _extend_places(time, recorded, place, placed, range(seed + width, recorded.size))
     placed = sorted(placed)[WINDOW - 1 :: -1]
-    _extend(time, recorded, place, placed, range(seed - 1, -1, -1))
+    _extend_places(time, recorded, place, placed, range(seed - 1, -1, -1))
     return place
 
 
-def _extend(
+def _extend_places(
     time: Array, recorded: Array, place: Array, placed: list[int], ahead: Iterable[int]
 ) -> None:
-    """Find the places of the events ahead, one by one.
+    """Determine the places of the events ahead, one after another.
 
-    `known` holds an event for each place found so far, the nearest to what is ahead
-    last; of two at one place, the one nearer to the motion. It grows on the way.
+    `placed` contains one event for each place so far, the nearest to the events ahead last. Of
+    two events at one place it contains the one closer to the motion. The list is extended.
     """
     for event in ahead:
         near = placed[-1]
         predicted, speed, _ = _predict(time, place, placed[-WINDOW:], event)
         nearest = np.rint(predicted)
-        if speed <= 0:  # the motion would have turned back: it does not reach this far
+        if speed <= 0:  # the quadratic reverses before this event: keep the recorded step
             nearest = place[near] + recorded[event] - recorded[near]
         elif (
             abs(predicted - nearest) > AMBIGUOUS_FROM
@@ -194,14 +195,18 @@ def _extend(
         place[event] = nearest
         if nearest != place[near]:
             placed.append(event)
-        elif _off(time, place, placed[:-1], event) < _off(time, place, placed[:-1], near):
-            placed[-1] = event
+        else:
+            distance, of_near = (
+                _scaled_distance(time, place, placed[:-1], candidate) for candidate in (event, near)
+            )
+            if distance < of_near:
+                placed[-1] = event
 
 
-def _off(time: Array, place: Array, placed: list[int], event: int) -> float:
-    """Return how far an event is from the motion of those known last.
+def _scaled_distance(time: Array, place: Array, placed: list[int], event: int) -> float:
+    """Return the distance of an event from the motion of the last placed events.
 
-    In spacings, over the standard deviation that unit noise of the events would give.
+    The distance is in spacings, divided by its standard deviation for events of unit noise.
     """
     predicted, _, spread = _predict(time, place, placed[-WINDOW:], event)
     return abs(predicted - float(place[event])) / spread
@@ -210,9 +215,9 @@ def _off(time: Array, place: Array, placed: list[int], event: int) -> float:
 def _predict(
     time: Array, place: Array, nearby: list[int], event: int
 ) -> tuple[float, float, float]:
-    """Return place and slope at an event, of the quadratic through a few others.
+    """Return place and slope, at an event, of the quadratic through nearby events.
 
-    And the standard deviation of event less quadratic for events of unit noise.
+    The third number is the standard deviation of event minus quadratic for events of unit noise.
     """
     base, scale = nearby[-1], abs(time[nearby[-1]] - time[nearby[0]])
     u = (time[nearby] - time[base]) / scale
@@ -227,11 +232,11 @@ def _predict(
     return float(place[base] + fit @ at), float(slope), float(np.sqrt(1 + at @ along))
 
 
-def _one_each(time: Array, place: Array) -> Flags:
-    """Choose one event for each place.
+def _one_for_each_place(time: Array, place: Array) -> Flags:
+    """Return which events are kept: one for each place.
 
-    A contact bounces after its edge: the first event stays, unless it is off the
-    motion by more than noise explains and a later one is not.
+    A contact bounces after its edge, so the first event at a place is kept. If it is further
+    from the motion than noise explains, the event closest to the motion is kept instead.
     """
     kept = np.isfinite(place)
     _, first, times = np.unique(place[kept], return_index=True, return_counts=True)
@@ -244,7 +249,7 @@ def _one_each(time: Array, place: Array) -> Flags:
         others = np.delete(single, group)
         start = int(np.clip(group - WINDOW // 2, 0, max(others.size - WINDOW, 0)))
         nearby = others[start : start + WINDOW].tolist()
-        off = np.array([_off(time, place, nearby, event) for event in several])
+        off = np.array([_scaled_distance(time, place, nearby, event) for event in several])
         best = several[0] if off[0] <= NOISE_LIMIT * noise else several[off.argmin()]
         kept[several] = several == best
     return kept
@@ -260,12 +265,12 @@ def _local_residuals(time: Array, place: Array) -> Array:
 
 
 def _window_residuals(time: Array, place: Array, width: int) -> Array:
-    """Return residuals from a quadratic through each run of `width` events, a run a row."""
+    """Return residuals from a quadratic through each `width` consecutive events, one set a row."""
     u = sliding_window_view(time, width)
     u = u - u.mean(axis=1, keepdims=True)
     u = u / np.abs(u).max(axis=1, keepdims=True)
     y = sliding_window_view(place, width)
     columns = np.stack([np.ones_like(u), u, u**2], axis=-1)
-    turned = columns.swapaxes(-1, -2)
-    fit = np.linalg.solve(turned @ columns, turned @ y[..., None])
+    transposed = columns.swapaxes(-1, -2)
+    fit = np.linalg.solve(transposed @ columns, transposed @ y[..., None])
     return np.asarray(y - (columns @ fit)[..., 0])

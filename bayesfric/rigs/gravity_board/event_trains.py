@@ -1,6 +1,6 @@
-"""The events of one trial and sensor, a *train*, and quadratics through many trains.
+"""Trains of events, each of one trial and sensor, and quadratic fits to many trains.
 
-A quadratic in time is the motion at constant acceleration, by one sensor alone.
+A quadratic in time is a motion at constant acceleration, seen by one sensor.
 """
 
 from dataclasses import dataclass
@@ -16,22 +16,22 @@ SENSORS = ("drive", "load")
 
 @dataclass(frozen=True)
 class EventTrains:
-    """E events of K trains, those of a train adjacent and in order of time.
+    """E events of K trains; those of a train are adjacent and in order of time.
 
     Parameters
     ----------
     row : ndarray of int, shape (E,)
-        Place of each event in the table that it comes from.
+        Row of each event in the original table.
     starts : ndarray of int, shape (K,)
-        Where each train begins.
+        Index of the first event of each train.
     train : ndarray of int, shape (E,)
-        Place of the event's train.
+        Index of each event's train.
     trial : ndarray of int, shape (K,)
-        Place of the train's trial.
+        Index of each train's trial.
     sensor : ndarray of int, shape (K,)
-        Place in :data:`SENSORS`.
+        Index of each train's sensor in :data:`SENSORS`.
     time : ndarray, shape (E,)
-        Since the first event of the trial, either sensor's [s].
+        Time since the first event of the trial, of either sensor [s].
     count : ndarray, shape (E,)
         Displacement in spacings, whole numbers.
     """
@@ -46,16 +46,16 @@ class EventTrains:
 
     @property
     def sizes(self) -> Whole:
-        """Events of each train, shape (K,)."""
+        """Number of events of each train, shape (K,)."""
         return np.diff(np.append(self.starts, self.train.size))
 
     def keep(self, events: Flags) -> "EventTrains":
-        """Return the trains with a part of their events; a train with none is gone.
+        """Return the trains with some of their events, without trains that have none of them.
 
         Parameters
         ----------
         events : ndarray of bool, shape (E,)
-            Which stay.
+            Which events are kept.
         """
         place, train = np.unique(self.train[events], return_inverse=True)
         return EventTrains(
@@ -70,21 +70,21 @@ class EventTrains:
 
 
 def event_trains(events: pd.DataFrame, trial_ids: pd.Series, spacing_m: float) -> EventTrains:
-    """Sort events into trains, whatever the order of the rows.
+    """Sort events into trains.
 
     Parameters
     ----------
     events : DataFrame
-        Event table of a recording; may be empty.
+        Event table of a recording, in any order of rows; may be empty.
     trial_ids : Series of str, length N
-        The trials; events of others are passed over.
+        Identifiers of the trials; events of other trials are ignored.
     spacing_m : float
         Travel between two events [m].
 
     Returns
     -------
     EventTrains
-        Sorted by trial, in the order of `trial_ids`, and sensor.
+        Trains sorted by trial, in the order of `trial_ids`, and by sensor.
     """
     trial = pd.Index(trial_ids).get_indexer(pd.Index(events["trial"]))
     sensor = pd.Index(SENSORS).get_indexer(pd.Index(events["sensor"]))
@@ -108,23 +108,24 @@ def event_trains(events: pd.DataFrame, trial_ids: pd.Series, spacing_m: float) -
 
 @dataclass(frozen=True)
 class QuadraticFits:
-    """Weighted least-squares quadratics in time, one a train.
+    """Weighted least-squares quadratics in time, one for each train.
 
     Parameters
     ----------
     acceleration : ndarray, shape (K,)
         Second derivative [spacings/s²].
     acceleration_variance : ndarray, shape (K,)
-        Its variance where the weights are inverse variances.
+        Variance of `acceleration` if the weights are inverse variances [spacings²/s⁴].
     rest_time : ndarray, shape (K,)
-        When the quadratic's speed is zero, on the clock of the train; before the first event of
-        a motion that gathers speed [s]. Where the second derivative is zero it is not finite.
+        Time at which the speed of the quadratic is zero, on the clock of the train [s]. It is
+        before the first event if the motion accelerates, and not finite if the second
+        derivative is zero.
     speed : ndarray, shape (E,)
         First derivative at each event [spacings/s].
     residual : ndarray, shape (E,)
-        Event less quadratic [spacings].
+        Event minus quadratic [spacings].
     leverage : ndarray, shape (E,)
-        How much of its own deviation the fit takes up at each event.
+        Leverage of each event, the derivative of its fitted by its measured value.
     """
 
     acceleration: Array
@@ -136,25 +137,25 @@ class QuadraticFits:
 
 
 def quadratic_fits(trains: EventTrains, weight: Array) -> QuadraticFits:
-    """Fit each train.
+    """Fit a quadratic in time to each train.
 
     Parameters
     ----------
     trains : EventTrains
-        Each of at least three events.
+        Trains of at least three events each.
     weight : ndarray, shape (E,)
-        Of each event.
+        Weight of each event.
 
     Returns
     -------
     QuadraticFits
-        In spacings and seconds.
+        Fits in spacings and seconds.
     """
     train, starts = trains.train, trains.starts
     ends = np.append(starts[1:], train.size) - 1
     half = 0.5 * (trains.time[ends] - trains.time[starts])
     middle = 0.5 * (trains.time[ends] + trains.time[starts])
-    u = (trains.time - middle[train]) / half[train]  # −1 to 1: well conditioned
+    u = (trains.time - middle[train]) / half[train]  # −1 to 1, for the condition of the matrix
     columns = np.stack([np.ones_like(u), u, u**2])
     weighted = columns * weight
     gram = np.empty((starts.size, 3, 3))

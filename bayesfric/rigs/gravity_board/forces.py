@@ -1,4 +1,4 @@
-"""What pulls at trials of the gravity board: friction by law and steady effects, and drive."""
+"""Friction and drive of the gravity board's trials, with effects that are constant in a trial."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
@@ -13,15 +13,15 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, tension_feedback
 from bayesfric.physics.laws import FrictionLaw
 
-TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 100
+TENSION_ITERATIONS = 2  # each reduces the error of the tension by a factor of about 100
 
 
 class Forces(NamedTuple):
-    """What pulls at N trials, arrays that broadcast to (W, N)."""
+    """Forces on N trials and their mass, arrays that broadcast to (W, N)."""
 
-    friction: Array  # scatter multiplies it [N]
-    drive: Array  # at standstill, scatter leaves it alone [N]
-    mass: Array  # that is accelerated [kg]
+    friction: Array  # multiplied by scatter [N]
+    drive: Array  # at zero acceleration, without scatter [N]
+    mass: Array  # accelerated mass, including the drive's change with acceleration [kg]
 
 
 class SteadyForces:
@@ -32,13 +32,14 @@ class SteadyForces:
     baseline : FrictionLaw
         The friction law.
     condition : Condition
-        Of the N trials.
+        Condition of each of N trials.
     size : SizeIndex
-        Their pulley sizes.
+        Pulley size of each trial.
     effects : sequence of ActiveEffect
-        On friction or drive.
+        Effects on friction or drive.
     state : callable
-        (law, acceleration) to where the trials are, arrays of shape (W, N).
+        Function of (law, acceleration) that returns the state of each trial, arrays of shape
+        (W, N).
     """
 
     def __init__(
@@ -54,7 +55,7 @@ class SteadyForces:
         self._effects, self._state = tuple(effects), state
 
     def at(self, theta: Mapping[str, Array]) -> Forces:
-        """Return the friction that scatters, and drive and mass as effects on them leave them.
+        """Return friction, drive and mass, including the effects.
 
         Parameters
         ----------
@@ -68,7 +69,7 @@ class SteadyForces:
             return Forces(friction, drive, mass)
         feedback = tension_feedback(law, condition)
         drag = held = slope = np.zeros_like(friction)
-        for _ in range(TENSION_ITERATIONS):  # the drag changes the tension on which it depends
+        for _ in range(TENSION_ITERATIONS):  # effects change the tension, on which they depend
             acceleration = (drive - friction - feedback * (drag + held)) / mass
             drag = self._force("friction", theta, law, acceleration)
             held = self._force("drive", theta, law, acceleration)

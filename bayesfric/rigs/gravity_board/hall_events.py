@@ -4,25 +4,26 @@ An event of sensor s at displacement d is passed at the time t with
 
     x(t) − o_s − d = δ + v(t) ε,   δ ~ N(0, σ_x²),  ε ~ N(0, σ_t²),
 
-where x(t) = v0 τ + a τ²/2 + Σ_k A_k u_k(τ) is the travel since the trial's first
-event; u_k is what an effect that changes along the trial adds to the travel
-(:mod:`bayesfric.rigs.gravity_board.paths`), and the baseline has none. The density of the raw
-event *times* is that of the residual times the speed v(t), the Jacobian. The offsets
-o_s (uniform over one spacing: phase on a circle), the first speed v0 (half-normal) and by how
-much the clock of one sensor is late (normal; its column is the pilot's speed) are
-marginalised in closed form, since the residual is linear in them; what is left of
-a trial is a quadratic form in w = (a − â₀, A_1, …, A_K), â₀ being a pilot's:
+where x(t) = v0 τ + a τ²/2 + Σ_k A_k u_k(τ) is the travel since the trial's first event. u_k is the
+response of the travel to an effect that changes along the trial
+(:mod:`bayesfric.rigs.gravity_board.paths`); the baseline has no such effects. The density of the
+raw event *times* is that of the residual times the speed v(t), the Jacobian.
+
+The residual is linear in three nuisance parameters: the offsets o_s (uniform over one spacing, as a
+phase), the first speed v0 (half-normal) and the delay of the load sensor's clock (normal). They are
+marginalised in closed form. The result is a quadratic form in w = (a − â₀, A_1, …, A_K), where â₀
+is the acceleration of a preliminary ("pilot") fit:
 
     log p(times | w, σ) = C − (wᵀ G w − 2 bᵀ w) / 2.
 
-G, b and C depend on ρ = σ_t/σ_x only, apart from the overall scale
-S² = σ_x² + v*² σ_t². They are interpolated over log ρ by polynomials on intervals; each
-interval is tabulated when it is first needed.
+Apart from the overall scale S² = σ_x² + v*² σ_t², G, b and C depend only on ρ = σ_t/σ_x. They are
+interpolated in log ρ by polynomials on intervals. Each interval is tabulated when it is first
+needed.
 
-Speeds in the weights and in the Jacobian are those of a pilot fit of each trial. If events
-determine the offset of the clocks far better than its prior does, it is integrated out once, with a
-first estimate of the noise. Otherwise the offset is one more variable of the form and is integrated
-out with the noise of each walker.
+Speeds in the weights and in the Jacobian are those of the pilot fit. If events determine the offset
+of the clocks far better than its prior does, it is integrated out once, with a first estimate of
+the noise. Otherwise the offset is one more variable of the form and is integrated out with the
+noise of each walker.
 """
 
 from collections.abc import Sequence
@@ -54,19 +55,19 @@ from bayesfric.rigs.gravity_board.trial_motion import (
 )
 
 Motions: TypeAlias = Sequence[Sequence[Array | float]]
-LOG_RHO_SPAN = 9.25  # ± about 1/v*: beyond it one noise is 1e-4 of the other
-CACHED = 200_000  # numbers of forms at a time: more are given back to the system each time
-INTERVAL = 1.0  # of log ρ
-DEGREE = 11  # of a polynomial: 1e-5 nat of the paper's protocol
+LOG_RHO_SPAN = 9.25  # largest |log(v* ρ)|: beyond it one noise is 1e-4 of the other
+CACHED = 200_000  # numbers in an array: larger arrays are allocated anew by the system each time
+INTERVAL = 1.0  # length of an interval of log ρ
+DEGREE = 11  # of a polynomial: the error is 1e-5 nat for the paper's protocol
 
 
 class TrialAcceleration(NamedTuple):
-    """A trial's events given the noise: a normal density of its acceleration.
+    """The events of N trials given the noise, as normal densities of their accelerations.
 
     Parameters
     ----------
     mean : ndarray, shape (…, N)
-        â, the acceleration that the events show [m/s²].
+        â, the acceleration estimated from the events [m/s²].
     variance : ndarray, shape (…, N)
         Variance of â around the true acceleration [m²/s⁴].
     log_constant : ndarray, shape (…, N)
@@ -79,17 +80,17 @@ class TrialAcceleration(NamedTuple):
 
 
 class TrialForm(NamedTuple):
-    """A trial's events given the noise: a quadratic form in its motion w.
+    """The events of N trials given the noise, as quadratic forms in their motions w.
 
     Parameters
     ----------
     origin : ndarray, shape (N,)
-        â₀, from which acceleration is counted [m/s²].
+        â₀, the acceleration at which w is 0 [m/s²].
     triangle : ndarray, shape (s (s + 1)/2, W, N)
-        Upper triangle of [[G, b], [bᵀ, squares]] row by row: minus twice the log density is
-        this form of (w, −1), up to a constant.
+        Upper triangle of [[G, b], [bᵀ, squares]], row by row. Up to a constant, minus twice the
+        log density is the value of this form at (w, −1).
     log_constant : ndarray, shape (W, N)
-        C, without what the squares take from it.
+        C without the term −squares/2.
     """
 
     origin: Array
@@ -97,7 +98,7 @@ class TrialForm(NamedTuple):
     log_constant: Array
 
     def acceleration(self) -> TrialAcceleration:
-        """Return the normal density of the acceleration where no effect acts."""
+        """Return the normal density of the acceleration, for trials without effects."""
         precision, slope, squares = self.triangle
         return TrialAcceleration(
             self.origin + slope / precision,
@@ -115,28 +116,28 @@ class EventTable:
     Parameters
     ----------
     events : Events
-        Their regressors are those of the nuisances, then those of the form.
+        Events, with the regressors of the nuisances followed by those of the form.
     residual : ndarray, shape (E,)
-        Displacement less that of the pilot [m].
+        Displacement minus that of the pilot fit [m].
     speed : ndarray, shape (E,)
-        Of the pilot [m/s].
+        Speed of the pilot fit [m/s].
     typical_speed : float
-        v*, which splits the noise into scale and ratio [m/s].
+        v* [m/s].
     tick_variance : float
-        Variance of rounding the clock, added to σ_t² [s²].
+        Variance by rounding of the clock, added to σ_t² [s²].
     degrees_of_freedom : ndarray, shape (N,)
-        Events minus nuisances.
+        Number of events minus that of nuisances.
     constant : ndarray, shape (N,)
-        The part of C that no parameter moves.
+        The part of C that does not depend on parameters.
     origin : ndarray, shape (N,)
-        Pilot accelerations [m/s²].
+        Accelerations of the pilot fit [m/s²].
     first_speed : ndarray, shape (N,)
-        Of the pilot, at the trial's first event [m/s].
+        Speed of the pilot fit at the trial's first event [m/s].
     prior : ClockPrior
-        Of how late the clock of one sensor is.
+        Prior of the delay of the load sensor's clock.
     intervals : dict of int to ndarray, shape (R, N, 1 + DEGREE)
-        Of those of log ρ that were asked for, R statistics a trial as coefficients of
-        Chebyshev polynomials.
+        Tabulated intervals of log ρ: R statistics of each trial, as coefficients of Chebyshev
+        polynomials.
     """
 
     events: Events
@@ -152,7 +153,7 @@ class EventTable:
     intervals: dict[int, Array] = field(default_factory=dict)
 
     def with_first_speed(self, scale_m_s: float) -> "EventTable":
-        """Return the same with a half-normal prior of the first speed, of this scale [m/s]."""
+        """Return the table with a half-normal prior of the first speed of this scale [m/s]."""
         log_prior = (
             np.log(2 / scale_m_s) - 0.5 * LOG_2PI - 0.5 * (self.first_speed / scale_m_s) ** 2
         )
@@ -165,41 +166,42 @@ class EventTable:
         variances: Sequence[Array] = (),
         motions: Motions | None = None,
     ) -> TrialForm:
-        """Evaluate the statistics.
+        """Return the quadratic forms of the trials at the noise of each walker.
 
         Parameters
         ----------
         sigma_x, sigma_t : ndarray, shape (W,)
-            Position [m] and clock [s] noise, above zero.
+            Position [m] and clock [s] noise, positive.
         variances : sequence of B ndarrays, shape (W, N)
-            Of the normal numbers that are drawn anew in each trial; they are integrated out.
+            Variances of the normal coefficients that are independent in each trial. These
+            coefficients are integrated out.
         motions : pair of sequence of 2 + K arrays or floats, broadcastable to (W, N), or None
-            Multiples of two motions (w, −1) take the place of w.
+            Two motions (w, −1). The form in their multiples replaces the form in w.
 
         Returns
         -------
         TrialForm
-            Of W noises and N trials.
+            Forms for W walkers and N trials.
         """
-        if self.prior.drawn:
+        if self.prior.in_form:
             variances = [np.ones((len(sigma_x), 1)), *variances]
         clock = np.sqrt(sigma_t**2 + self.tick_variance) * self.typical_speed
         scale2 = (sigma_x**2 + clock**2)[:, None]
         log_ratio = np.clip(np.log(clock / sigma_x), -LOG_RHO_SPAN, LOG_RHO_SPAN)
         interval, within = np.divmod(log_ratio, INTERVAL)
-        # The scale goes into the few polynomials, not into all that comes of them.
+        # Dividing the few polynomials by the scale is cheaper than dividing all forms.
         polynomials = chebyshev.chebvander(2 * within / INTERVAL - 1, DEGREE) / scale2
         asked = np.unique(interval).astype(int).tolist()
         if len(asked) == 1:
-            forms = self._without(asked[0], polynomials, variances, motions)
+            forms = self._integrated(asked[0], polynomials, variances, motions)
         else:
             walkers = [np.flatnonzero(interval == place) for place in asked]
             parts = [
-                self._without(
+                self._integrated(
                     place,
                     polynomials[chosen],
-                    [_of(variance, chosen) for variance in variances],
-                    None if motions is None else [[_of(x, chosen) for x in y] for y in motions],
+                    [_of_walkers(variance, chosen) for variance in variances],
+                    motions and [[_of_walkers(x, chosen) for x in y] for y in motions],
                 )
                 for place, chosen in zip(asked, walkers, strict=True)
             ]
@@ -213,19 +215,19 @@ class EventTable:
             - 0.5 * self.degrees_of_freedom * (LOG_2PI + np.log(scale2)),
         )
 
-    def _without(
+    def _integrated(
         self,
         interval: int,
         weights: Array,
         variances: Sequence[Array],
         motions: Motions | None,
     ) -> Array:
-        """Integrate numbers out of the statistics of one interval.
+        """Integrate coefficients out of the statistics of one interval.
 
         Returns
         -------
         ndarray, shape (s (s + 1)/2 + 1, N, W)
-            The form that is left, then the log determinant of all that was integrated out.
+            The remaining form, then the log determinant of everything that was integrated out.
         """
         coefficients = self._interval(interval)
         shape = self.origin.size, len(weights)
@@ -237,7 +239,7 @@ class EventTable:
         parts = []
         for start in range(0, self.origin.size, step):
             trials = slice(start, start + step)
-            # Walkers next to each other in memory: what follows is faster so.
+            # Walkers are the last axis, which makes the operations below faster.
             statistics = coefficients[:, trials] @ weights.T
             form = statistics[:-1]
             if moved is not None:
@@ -265,7 +267,7 @@ class EventTable:
     def statistics(self, log_ratio: Array) -> Array:
         """Return the form (upper triangle) and the log determinant at V noise ratios, (V, R, N).
 
-        They are exact, and touch all events.
+        They are computed from all events, without interpolation.
         """
         ratio2 = np.exp(2 * log_ratio)[:, None]
         relative2 = (self.speed / self.typical_speed) ** 2
@@ -273,7 +275,7 @@ class EventTable:
         events = self.events
         whole = events.normal_equations(1 / spread, self.residual)
         count = NUISANCES
-        if self.prior.taken:
+        if self.prior.integrated_once:
             whole[..., CLOCK, CLOCK] += self.prior.scale2
             for place in ((CLOCK, -1), (-1, CLOCK)):
                 whole[..., *place] += self.prior.scale2 * self.prior.mean
@@ -290,8 +292,8 @@ class EventTable:
         )
 
 
-def _of(values: ArrayLike, walkers: Whole) -> Array:
-    """Return the rows of some walkers, which lie next to each other in memory."""
+def _of_walkers(values: ArrayLike, walkers: Whole) -> Array:
+    """Return the values of some walkers (first axis), with walkers adjacent in memory."""
     whole = np.asarray(values, dtype=np.float64)
     return whole if whole.ndim == 0 or len(whole) == 1 else whole.T[:, walkers].T
 
@@ -306,29 +308,29 @@ def reduce_events(
     scattered: Array | None = None,
     clock_sd_s: float = 0.0,
 ) -> EventTable:
-    """Tabulate the sufficient statistics of trials over the ratio of the noises.
+    """Return a table of the sufficient statistics of trials.
 
     Parameters
     ----------
     events : DataFrame
         Event table of a recording; each trial has at least five events of one sensor.
     trial_ids : Series of str, length N
-        The trials, in the order of the result.
+        Identifiers of the trials, in the order of the result.
     spacing_m : float
-        Travel between two events: the support of a phase [m].
+        Travel between two events, which is the range of an offset [m].
     tick_s : float
         Resolution of the clock [s].
     responses : ndarray, shape (K, E), or None
-        u_k, what each effect adds to the travel at unit amplitude, by event [m].
+        u_k, the response of the travel to each effect at unit amplitude, for each event [m].
     scattered : ndarray, shape (B, E), or None
-        The same of numbers that are drawn anew in each trial; they come first in the form.
+        Responses to coefficients that are independent in each trial; they come first in the form.
     clock_sd_s : float
-        Standard deviation of how late the clock of one sensor is [s].
+        Prior standard deviation of the delay of the load sensor's clock [s].
 
     Returns
     -------
     EventTable
-        With a flat prior of the first speed; see :meth:`EventTable.with_first_speed`.
+        Table with a flat prior of the first speed; see :meth:`EventTable.with_first_speed`.
     """
     table = prepare_events(events, trial_ids)
     pilot = pilot_of(table)
@@ -341,7 +343,7 @@ def reduce_events(
     if late.any():
         table = _beside(table, CLOCK, late[None])
         prior = clock_prior(table, residual, -clock_shifts(events, trial_ids) / clock_sd_s)
-        residual = residual - late * prior.moved[table.trial]
+        residual = residual - late * prior.centre[table.trial]
     table = _beside(table, len(table.regressors), responses)
     sensors = table.present[:2].sum(axis=0)
     return EventTable(
@@ -350,7 +352,7 @@ def reduce_events(
         speed=speed,
         typical_speed=float(np.exp(np.mean(np.log(speed)))),
         tick_variance=tick_s**2 / 12,
-        degrees_of_freedom=_events_of_trials(table) - sensors - 1.0 - prior.share_of_events,
+        degrees_of_freedom=_events_of_trials(table) - sensors - 1.0 - prior.event_share,
         constant=table.total(np.log(speed)) - sensors * np.log(spacing_m) + prior.constant,
         origin=pilot.acceleration,
         first_speed=pilot.first_speed,
@@ -359,12 +361,12 @@ def reduce_events(
 
 
 def _events_of_trials(table: Events) -> Array:
-    """Return how many events each trial has, shape (N,)."""
+    """Return the number of events of each trial, shape (N,)."""
     return table.total(np.ones_like(table.tau))
 
 
 def _beside(table: Events, place: int, columns: Array | None) -> Events:
-    """Return events with further regressors at a place among them."""
+    """Return events with further regressors, inserted before the regressor of index `place`."""
     if columns is None:
         return table
     before, after = table.regressors[:place], table.regressors[place:]

@@ -1,4 +1,4 @@
-"""What kind of rig the gravity board is, and what a recording shows of it before any fit."""
+"""The gravity board as a rig: its trials, its simulation, and remarks before any fit."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from bayesfric.rigs.protocols import Protocol as Design
     from bayesfric.rigs.truth import Truth
 
-STREAMS = (0, 1, 2, 3, 5)  # of a recording's seed: order, scatter, sensors, noise, phases
+STREAMS = (0, 1, 2, 3, 5)  # random streams of a seed: order, scatter, sensors, noise, phases
 WORDS = Words("gravity board", "trial", "trials", regime="accelerated", paper=True)
 
 
@@ -34,7 +34,7 @@ class GravityBoard(Rig):
     tables: tuple[str, ...] = ("gravity_trials.csv", "gravity_events.csv")
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "GravityTrials | None":
-        """Return the trials that enter by the rules of :mod:`.screening`.
+        """Return the trials that the rules of :mod:`.screening` do not exclude.
 
         Raises
         ------
@@ -53,7 +53,7 @@ class GravityBoard(Rig):
         )
 
     def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
-        """Return by how much the clocks of the two sensors differ."""
+        """Return the difference of the clocks of the two sensors, in words."""
         if recording.gravity is None:
             return ()
         clocks = _screened(recording, exclude=True).clocks
@@ -63,7 +63,7 @@ class GravityBoard(Rig):
         return () if text is None else (("sensor clocks", text),)
 
     def left_out(self, recording: Recording) -> list[Fault]:
-        """Return the trials that the rules of :mod:`.screening` leave out, and by which."""
+        """Return the trials that the rules of :mod:`.screening` exclude, each with its rule."""
         if recording.gravity is None:
             return []
         excluded = _screened(recording, exclude=True).excluded
@@ -76,7 +76,7 @@ class GravityBoard(Rig):
     def change(
         self, effect: "Effect", design: "Design", constants: RigConstants, truth: "Truth"
     ) -> "Change | None":
-        """Return what an effect changes of trials, relative to their friction."""
+        """Return a function that computes an effect's change of friction; None if it cannot act."""
         from bayesfric.rigs.gravity_board.strength import change_of_readings, change_of_trials
 
         if effect.acts_on == "current":
@@ -88,13 +88,13 @@ class GravityBoard(Rig):
     def simulate(
         self, design: "Design", constants: RigConstants, truth: "Truth", seed: int
     ) -> "Simulated":
-        """Return trials in their order and their events; see :mod:`.simulator`."""
-        from bayesfric.rigs.gravity_board.simulator import draw_events, lay_trials
+        """Return simulated trials and their events; see :mod:`.simulator`."""
+        from bayesfric.rigs.gravity_board.simulator import draw_events, trials_in_random_order
         from bayesfric.rigs.own_design import Simulated
 
         streams = [np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(7)]
         order, *rngs = (streams[place] for place in STREAMS)
-        trials = lay_trials(design, order)
+        trials = trials_in_random_order(design, order)
         events, moved, stayed = draw_events(trials, constants, truth, *rngs)
         if stayed.any():
             trials["did_not_move"] = np.where(stayed, "true", "false")
@@ -108,6 +108,6 @@ RIG = GravityBoard()
 
 @lru_cache(maxsize=2)
 def _screened(recording: Recording, exclude: bool) -> Screened:
-    """Screen the trials of a recording once for all who ask."""
+    """Return the screened trials of a recording, which are computed once."""
     assert recording.gravity is not None
     return screen_trials(recording.gravity, recording.rig, exclude=exclude)

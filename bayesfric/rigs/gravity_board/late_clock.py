@@ -1,8 +1,9 @@
 """The delay of one sensor's clock, a nuisance parameter of each trial with a normal prior.
 
-With an offset Δ between the clocks, the load sensor reads the displacement at a time Δ earlier.
-This adds ∓ v/2 times Δ to the travel at a time stamp; the upper sign is that of the load sensor.
-The column is scaled so that its coefficient has a prior of unit variance.
+If the load sensor's clock is late by Δ, the true time of its events is Δ earlier than the recorded
+one. The offset is split evenly between the sensors: at a recorded time, the travel seen by the
+load sensor is smaller by Δ v/2, and that seen by the drive sensor is larger by Δ v/2. The
+regressor of the offset is scaled so that its coefficient has a prior of unit variance.
 """
 
 from dataclasses import dataclass
@@ -17,53 +18,55 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.gravity_board.trial_motion import NUISANCES, Events
 
 SHIFT = "clock_shift_s"
-"""Column of the events: what was taken off a time to put both sensors on one clock [s]."""
-PASSAGES = 2.0  # of a stretch along the cable, out and back: the standard deviation of an offset
+"""Column of the event table: time that was subtracted to put both sensors on one clock [s]."""
+PASSAGES = 2.0  # default sd of an offset, in passages of a stretch along the cable: out and back
 
 CLOCK = NUISANCES
-"""Place of the column among the regressors that are integrated out, after those of no prior."""
-BESIDE = CLOCK + 1
-FAR_BETTER = 25.0  # times the prior's precision, by which events tell the offset of each trial
-RIDGE = 1e-12  # of a unit diagonal: columns that a trial does not have
-LEAST_SD_M = 1e-9  # of an event: below it, as without noise, rounding is all that is left
+"""Index of the offset among the regressors, after the nuisances with a flat prior."""
+NUISANCES_WITH_CLOCK = CLOCK + 1
+FAR_BETTER = 25.0  # required precision of the offset by each trial's events, over the prior's
+RIDGE = 1e-12  # added to a unit diagonal, for columns that are zero in a trial
+LEAST_SD_M = 1e-9  # of an event: smaller residuals, as of data without noise, are rounding errors
 
 
 @dataclass(frozen=True)
 class ClockPrior:
-    """The prior of the scaled number in N trials, and how it enters.
+    """The prior of the scaled offset in N trials, and the way in which it is integrated out.
 
     Parameters
     ----------
-    drawn : bool
-        Whether the number stays in the form, to be integrated out at the noise of each walker.
-    taken : bool
-        Whether it is integrated out once, its prior as wide beside the noise as at `scale2`.
-    moved : ndarray, shape (N,)
-        From where the number is counted: its effect is taken off the residual.
+    in_form : bool
+        Whether the offset is a variable of the form, integrated out at the noise of each walker.
+    integrated_once : bool
+        Whether it is integrated out once. Its prior then has the same width relative to the
+        noise at any noise. If neither `in_form` nor `integrated_once` is true, there is no offset.
+    centre : ndarray, shape (N,)
+        Value at which the residual is taken: the response to it is subtracted.
     mean : ndarray, shape (N,)
-        Of the number so counted.
+        Prior mean of the offset minus `centre`.
     scale2 : float
-        Variance of an event at which a prior that is taken once is exact [m²].
-    share_of_events : ndarray, shape (N,)
-        Share of the number that events tell, and not its prior; 0 where it is not taken once.
+        Variance of an event at which integrating out once is exact [m²].
+    event_share : ndarray, shape (N,)
+        Share of the information on the offset that comes from the events, not from the prior;
+        0 if it is not integrated out once.
     constant : ndarray, shape (N,)
-        What it adds to the log density.
+        Constant term of the log density.
     """
 
-    drawn: bool
-    taken: bool
-    moved: Array
+    in_form: bool
+    integrated_once: bool
+    centre: Array
     mean: Array
     scale2: float
-    share_of_events: Array
+    event_share: Array
     constant: Array
 
 
 def clock_sd_s(rig: RigConstants) -> float:
-    """Return the standard deviation of the prior of an offset [s].
+    """Return the prior standard deviation of an offset [s].
 
-    As stated, or the time that a stretch takes along the cable and back, and half a step of
-    the timer.
+    The default is the time that a stretch takes along the cable and back, plus half a step of the
+    timer.
     """
     if rig.sensor_clock_sd_s is not None:
         return rig.sensor_clock_sd_s
@@ -71,7 +74,7 @@ def clock_sd_s(rig: RigConstants) -> float:
 
 
 def clock_shifts(events: pd.DataFrame, trial_ids: pd.Series) -> Array:
-    """Return by how much the load sensor's times were moved, shape (N,) [s]."""
+    """Return the time that was subtracted from the load sensor's times, shape (N,) [s]."""
     if SHIFT not in events:
         return np.zeros(len(trial_ids))
     load = events[events["sensor"] == "load"]
@@ -80,25 +83,25 @@ def clock_shifts(events: pd.DataFrame, trial_ids: pd.Series) -> Array:
 
 
 def none_late(count: int) -> ClockPrior:
-    """Return what there is where no trial can show an offset."""
+    """Return the prior for N = `count` trials without an offset."""
     none = np.zeros(count)
     return ClockPrior(False, False, none, none, 1.0, none, none)
 
 
 def late_column(events: Events, speed_m_s: Array) -> Array:
-    """Return what the load sensor's clock adds to the travel per second that it is late.
+    """Return the response of the travel to a delay of the load sensor's clock, per second.
 
     Parameters
     ----------
     events : Events
-        E of N trials.
+        E events of N trials.
     speed_m_s : ndarray, shape (E,)
-        Of the cable.
+        Speed of the cable [m/s].
 
     Returns
     -------
     ndarray, shape (E,)
-        0 in trials of one sensor [m/s].
+        Response [m/s]; 0 in trials that only one sensor recorded.
     """
     drive, load = (np.bincount(events.trial, seen)[events.trial] for seen in events.regressors[:2])
     sign = np.where(events.regressors[1] != 0, -0.5, 0.5)
@@ -106,16 +109,16 @@ def late_column(events: Events, speed_m_s: Array) -> Array:
 
 
 def clock_prior(events: Events, residual: Array, mean: Array) -> ClockPrior:
-    """Return how the prior of the number enters.
+    """Return the prior of the scaled offset, and whether it can be integrated out once.
 
     Parameters
     ----------
     events : Events
-        Regressors are nuisances, the scaled column, what scatters, and τ²/2.
+        Events with the regressors of nuisances, the scaled offset, scatter, and τ²/2.
     residual : ndarray, shape (E,)
-        Displacement less that of the pilot [m].
+        Displacement minus that of the pilot fit [m].
     mean : ndarray, shape (N,)
-        Of the prior: times may have been moved already, by the opposite.
+        Prior mean. It is not 0 if the times were shifted beforehand.
     """
     whole = events.normal_equations(np.ones((1, residual.size)), residual)[0]
     seen = whole[:, CLOCK, CLOCK] > 0
@@ -124,9 +127,10 @@ def clock_prior(events: Events, residual: Array, mean: Array) -> ClockPrior:
     if (precision[seen] < FAR_BETTER * scale2).any():
         none = np.zeros_like(mean)
         return ClockPrior(True, False, mean, none, scale2, none, none)
-    alone = np.where(seen, 1 / np.linalg.inv(whole[:, :BESIDE, :BESIDE])[:, CLOCK, CLOCK], 0.0)
-    share_of_events = alone / (scale2 + alone)
-    # Counted from where it is likely, the number adds no square that grows with the noise.
+    nuisances = whole[:, :NUISANCES_WITH_CLOCK, :NUISANCES_WITH_CLOCK]
+    alone = np.where(seen, 1 / np.linalg.inv(nuisances)[:, CLOCK, CLOCK], 0.0)
+    event_share = alone / (scale2 + alone)
+    # With the most likely offset subtracted, the prior adds no square that depends on the noise.
     whole[:, CLOCK, CLOCK] += scale2
     whole[:, CLOCK, -1] += scale2 * mean
     size = np.sqrt(np.diagonal(whole, axis1=1, axis2=2))[:, :-1]
@@ -134,27 +138,28 @@ def clock_prior(events: Events, residual: Array, mean: Array) -> ClockPrior:
     gram = whole[:, :-1, :-1] / size[:, :, None] / size[:, None, :] + RIDGE * np.eye(size.shape[1])
     fit = np.linalg.solve(gram, (whole[:, :-1, -1] / size)[..., None])[..., 0] / size
     likely = np.where(seen, fit[:, CLOCK], mean)
-    constant = 0.5 * np.log(scale2) * (1 - share_of_events) - 0.5 * share_of_events * LOG_2PI
+    constant = 0.5 * np.log(scale2) * (1 - event_share) - 0.5 * event_share * LOG_2PI
     constant -= 0.5 * (mean - likely) ** 2
-    return ClockPrior(False, True, likely, mean - likely, scale2, share_of_events, constant)
+    return ClockPrior(False, True, likely, mean - likely, scale2, event_share, constant)
 
 
 def _noise(events: Events, whole: Array) -> tuple[float, Array]:
-    """Return the variance of an event by what all columns leave, and the column's precision.
+    """Return the residual variance of an event, and the precision of the offset.
 
     Parameters
     ----------
     events : Events
         Of N trials.
     whole : ndarray, shape (N, R + 1, R + 1)
-        Products of the columns and the residual.
+        Sums of products of the R columns and the residual.
 
     Returns
     -------
     variance : float
-        [m²]; infinite where no trial has events to spare.
+        Variance [m²]; infinite if no trial has more events than columns.
     precision : ndarray, shape (N,)
-        Of the number beside all other columns, times the variance [m²].
+        Precision of the scaled offset, given unknown coefficients of all other columns, times
+        the variance of an event [m²].
     """
     size = np.sqrt(np.diagonal(whole, axis1=1, axis2=2))
     size = np.where(size > 0, size, 1.0)

@@ -1,17 +1,16 @@
 """Likelihood of the gravity board: event times given the friction law and effects.
 
-The events of a trial are a quadratic form in its motion
-(:mod:`bayesfric.rigs.gravity_board.measurements`): its acceleration, and what effects add to
-its travel that change along it. All friction of a trial, effects on friction
-included, is multiplied by 1 + s, s = η + ε. So the motion is linear in s, and a trial
-is a normal density of s:
+The log density of a trial's events is a quadratic form in its motion w
+(:mod:`bayesfric.rigs.gravity_board.measurements`). The motion consists of the acceleration and of
+the amplitudes of effects that change along the trial. All friction of a trial, including effects on
+friction, is multiplied by 1 + s with s = η + ε. The motion is therefore linear in s, and the
+density of the events is a normal density of s:
 
     w(s) = m0 − s m1,   log p(times | s) = log N(ŝ; s, 1/(m1ᵀ G m1)) + constant.
 
-Without effects along the trial that is the density of its friction,
-``f = (m1 + m2) (a_free − a)`` with Jacobian m1 + m2. How s scatters is
-:mod:`bayesfric.inference.grouped_normal`'s. The simulator that mirrors all this is
-:mod:`bayesfric.simulate`.
+Without effects along the trial, this is equivalent to a density of its friction,
+``f = (m1 + m2) (a_free − a)``, with the Jacobian m1 + m2. The density of s for all trials is in
+:mod:`bayesfric.inference.grouped_normal`. :mod:`.simulator` simulates the same model.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -46,7 +45,7 @@ from bayesfric.rigs.gravity_board.wander import Wander
 
 SCATTER = ("tau", "omega", "omega_intercept")
 WALKERS_AT_ONCE = 50
-START_WANDER = 0.02  # of friction, a place to climb from
+START_WANDER = 0.02  # starting value of the rms, relative to friction
 ONLY_NORMAL = "normal, since for Student-t scatter trials that did not move have no likelihood"
 
 
@@ -56,33 +55,34 @@ class GravityModel(ExactModel):
     Parameters
     ----------
     gravity : Gravity
-        Trials that enter, those of a setup adjacent (see
+        Trials that are used; those of an assembly are adjacent (see
         :func:`bayesfric.rigs.gravity_board.screening.screen_trials`).
     rig : RigConstants
-        The board.
+        Constants of the board.
     analysis : Analysis
         Priors and the form of the scatter.
     baseline : FrictionLaw
         The friction law.
     effects : sequence of ActiveEffect
-        What acts beside the law; what :meth:`TrialPlaces.supports` refuses is left out.
+        Effects that act in addition to the law. Those that :meth:`TrialPlaces.supports` does not
+        support are ignored.
     at_rest : DataFrame or None
         Trials that did not move, see :mod:`bayesfric.rigs.gravity_board.at_rest`; None
         without any.
     places : TrialPlaces or None
-        Of these trials, where other likelihoods of them share it; None is found anew.
+        States of these trials, if they are shared with other likelihoods; None computes them.
 
     Attributes
     ----------
     condition : Condition
-        Of each trial, arrays of shape (N,).
+        Condition of each trial, arrays of shape (N,).
     trials : DataFrame
-        The N trials in the order of every result, all of which moved.
+        The N trials, all of which moved, in the order of all results.
 
     Raises
     ------
     InputError
-        Trials did not move, and scatter is Student-t.
+        There are trials that did not move, and scatter is Student-t.
     """
 
     def __init__(
@@ -142,18 +142,18 @@ class GravityModel(ExactModel):
     def law(self, theta: Mapping[str, Array]) -> Array:
         """Return the friction of each trial by the law and the steady effects, (W, N) [N].
 
-        fc of eq. (15) at the nominal tension of the moving board, and what effects add that do
-        not change along a trial.
+        It is the law at the nominal tension of the moving board, plus effects that do not change
+        along a trial.
         """
         return self._forces.at(theta).friction
 
     def observed(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array]:
-        """Return what was measured of each trial's friction, where none changes along it.
+        """Return the measured friction of each trial, assuming that it is constant along the trial.
 
-        That is friction [N], its error variance [N²], and the log density of the raw data less that
-        of the friction, each of shape (W, N).
+        The results are the friction [N], its error variance [N²], and the log density of the raw
+        data minus that of the friction, each of shape (W, N).
         """
-        parts = [self._steady(some, self._forces.at(some)) for some in _blocks(theta)]
+        parts = [self._steady(block, self._forces.at(block)) for block in _blocks(theta)]
         friction, variance, log_constant = zip(*parts, strict=True)
         return np.concatenate(friction), np.concatenate(variance), np.concatenate(log_constant)
 
@@ -166,26 +166,26 @@ class GravityModel(ExactModel):
         )
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
-        """Return the friction that the events of each trial show."""
+        """Return the measure of each trial's friction from its events."""
         friction, variance, law, constant = self._frictions(theta)
         return Shown(friction - law, variance, law, constant)
 
     def _frictions(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array, Array]:
-        """Return friction observed, its variance, the law's, and the rest of the log density.
+        """Return observed friction, its variance, the law's, and the rest of the log density.
 
-        All of shape (W, N). With effects along the trial, "observed" is the law's friction
-        times 1 + ŝ: the density of the trial is one of its scatter, in newtons.
+        All have shape (W, N). With effects along the trial, the observed friction is the law's
+        friction times 1 + ŝ, so that the density of ŝ becomes a density in newtons.
         """
         law, drive, mass = forces = self._forces.at(theta)
         if self._along.columns is None:
             friction, variance, constant = self._steady(theta, forces)
             return friction, variance, law, constant
         added, scattered = self._along.amplitudes(theta, self._size.coefficients(theta))
-        # Around the pilot, with A the amplitudes: m1 = (f, −A), of A only what scatters with
-        # friction, and m0 = (r, A). The last entry is the residual's.
-        slowed: list[Array | float] = [law / mass, *(-column for column in scattered), 0.0]
-        around = (drive - law) / mass - self._measurements.origin
-        form = self._form(theta, law, (slowed, [around, *added, -1.0]))
+        # With amplitudes A: m1 = (f / mass, −A of effects on friction, 0) and
+        # m0 = (acceleration minus that of the pilot fit, A, −1). The last entry is the residual's.
+        m1: list[Array | float] = [law / mass, *(-amplitude for amplitude in scattered), 0.0]
+        acceleration = (drive - law) / mass - self._measurements.origin
+        form = self._form(theta, law, (m1, [acceleration, *added, -1.0]))
         precision, across, square = form.triangle
         constant = form.log_constant - 0.5 * (square - across**2 / precision)
         constant = constant + 0.5 * (LOG_2PI - np.log(precision)) + np.log(np.abs(law))
@@ -194,7 +194,7 @@ class GravityModel(ExactModel):
     def _form(
         self, theta: Mapping[str, Array], friction_n: Array, motions: Motions | None = None
     ) -> TrialForm:
-        """Return what was measured, the wander along the trials integrated out."""
+        """Return the quadratic forms with wander and phases integrated out."""
         variances = self._wander.variances(theta, friction_n)
         variances += self._along.variances(theta, self._size.coefficients(theta))
         return self._measurements.at(theta, variances, motions)
@@ -205,16 +205,13 @@ class GravityModel(ExactModel):
         return np.asarray(self._size.coefficients(theta).c2) * pulleys
 
     def read(self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator) -> Array:
-        """Draw the friction that the events would show, with their error, (…, W, N) [N].
-
-        `deviation` is how far friction is from the law, relative to it.
-        """
+        """Draw measured friction, given its relative deviation from the law, (…, W, N) [N]."""
         sd = np.sqrt(self.observed(theta)[1])
         return self.law(theta) * (1 + deviation) + sd * rng.standard_normal(deviation.shape)
 
     @cached_property
     def _measurements(self) -> TrialMeasurements:
-        """Made when a density is first asked for: a start needs none."""
+        """Tabulated events, computed for the first density; starting values do not need them."""
         columns, scattered = self._along.columns, self._along.scattered
         drawn_anew = joined(self._wander.columns, scattered)
         if columns is None and scattered is None:
@@ -224,7 +221,7 @@ class GravityModel(ExactModel):
         return TrialMeasurements(self._gravity, table, self._analysis, columns, drawn_anew)
 
     def start(self) -> dict[str, float]:
-        """Return rough estimates by least squares, a place to climb from."""
+        """Return starting values by least squares."""
         effects = rough_values(self._effects)
         wander = dict.fromkeys(
             (parameter.name for parameter in self._wander.parameters), START_WANDER
@@ -233,7 +230,7 @@ class GravityModel(ExactModel):
 
 
 def _blocks(theta: Mapping[str, Array]) -> Iterator[dict[str, Array]]:
-    """Return some walkers at a time: the forms of many trials would not fit a cache."""
+    """Yield blocks of walkers whose forms fit into the cache of a processor."""
     whole = dict(zip(theta, np.broadcast_arrays(*theta.values()), strict=True))
     walkers = len(next(iter(whole.values())))
     for start in range(0, walkers, WALKERS_AT_ONCE):

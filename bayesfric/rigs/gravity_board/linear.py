@@ -1,11 +1,11 @@
-"""The gravity board in the linear model: rows summed up, scatter integrated out.
+"""The gravity board in the linear model: sums over rows, with scatter integrated out.
 
-Offsets and first speed are projected out of each trial. What scatters has columns of its own:
-friction's deviation in a trial, its wander along the travel (cosines), in an assembly the
-deviation of its slope and of its intercept, phases of effects that go round, the travel that a
-trial had made before its first event, how unevenly a cable slips from trial to trial, and how
-late the clock of one sensor is. They are integrated out at the noise that is asked for;
-derivatives by the noise follow from Fisher's identity.
+Offsets and first speed are projected out of each trial. Random numbers have columns of their own:
+the deviation of friction in a trial, its wander along the travel (cosines), the deviations of slope
+and intercept in an assembly, phases of periodic effects, the error of the travel before the first
+event, the variation of the error of one sensor between trials, and the delay of one sensor's clock.
+They are integrated out at given noise parameters. Derivatives by noise parameters follow from
+Fisher's identity.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
     CLOCK,
-    ELSEWHERE,
+    RELEASE,
     TRIAL,
     UNEVEN,
     UNEVEN_SHARE,
@@ -39,7 +39,7 @@ from bayesfric.rigs.gravity_board.scattered import OneSize, Scattered
 from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
 
 _Sizes = tuple[OneSize, ...]
-KEPT = 8  # effects of a hypothesis whose sums are kept: those of all candidates are large
+KEPT = 8  # largest number of effects whose sums are cached: those of all candidates are large
 
 
 class GravityPart(LinearRig):
@@ -48,16 +48,16 @@ class GravityPart(LinearRig):
     Parameters
     ----------
     rows : LinearEvents
-        Events, linear around the reference law.
+        Events, linearised around the reference law.
     model : ModelColumns
-        What is made of them.
+        Specification of the columns.
     place : int
-        Of the rig among all.
+        Index of the rig.
 
     Attributes
     ----------
     blocks : dict of int to slice
-        The phases of candidates that have some, among the columns that scatter.
+        For each candidate with phases, by its index: their columns among the random columns.
     """
 
     rows: "LinearEvents"
@@ -72,28 +72,28 @@ class GravityPart(LinearRig):
         block = np.stack([self.size, model.together.get(rows.name, np.zeros_like(self.size))])
         block = np.unique(block, axis=1, return_inverse=True)[1].ravel()
         self._sums = trial_sums(rows, self.layout, self.columns_of, self.random_of, block)
-        self._views: dict[bytes, _Sizes] = {}
+        self._cached_sums: dict[bytes, _Sizes] = {}
         freedom, counts = model.scatter.degrees_of_freedom, (len(self.setup), self.setup.max() + 1)
         for level, rank, count in zip(("trial", "assembly"), (1, 2), counts, strict=True):
             if getattr(model.scatter, level) == "student-t":
                 self._heavy = HeavyScatter.equal(level, freedom, rank, int(count))
 
     def random_of(self, rows: GravityRows) -> Array:
-        """Return the columns of what scatters in some of the trials, shape (e, R) [m]."""
+        """Return the random columns for the rows of some of the trials, shape (e, R) [m]."""
         random = self._scattering(rows)[0]
         for candidate, amplitude in self._model.scattering:
             random[:, UNEVEN] += amplitude * rows.uneven_column(candidate)
         for candidate, amplitude in on_friction(self._model.scattering):
             column = rows.candidate_columns(candidate)
-            further = rows.elsewhere(candidate)
+            further = rows.release_column(candidate)
             if not isinstance(column, Unsupported):
                 random[:, TRIAL] += amplitude * column[:, 0]
             if further is not None:
-                random[:, ELSEWHERE] += amplitude * further
+                random[:, RELEASE] += amplitude * further
         return random
 
     def _scattering(self, rows: GravityRows) -> tuple[Array, dict[int, slice]]:
-        """Return columns of what scatters, and where candidates' phases are among them."""
+        """Return the random columns without those of acting effects, and blocks of phases."""
         random = [
             rows.scatter_columns(WAVES),
             np.zeros((len(rows.residual), 2)),
@@ -116,10 +116,10 @@ class GravityPart(LinearRig):
         return np.hstack(random), blocks
 
     def columns_of(self, rows: GravityRows) -> Array:
-        """Return columns of the local numbers in some of the trials, shape (e, q) [m].
+        """Return columns of the local numbers for the rows of some of the trials, (e, q) [m].
 
-        They are made anew, of a part of the trials at a time: those of all would be most of the
-        memory that a diagnosis takes.
+        They are computed again at each call, because the columns of all trials would take most of
+        the memory of a diagnosis.
         """
         model = self._model
         force = np.array([model.friction_scale[size] for size in rows.table["pulley_size"]])
@@ -127,37 +127,39 @@ class GravityPart(LinearRig):
         columns *= model.scales
         return columns if self._squeeze is None else columns @ self._squeeze
 
-    def _view(self, mixing: Array, chosen: Whole, width: int, trials: Flags | None) -> _Sizes:
-        """Return the sums of a hypothesis' columns, by size."""
+    def _hypothesis_sums(
+        self, mixing: Array, chosen: Whole, width: int, trials: Flags | None
+    ) -> _Sizes:
+        """Return the sums of the columns of a hypothesis, for each size."""
         key = b"".join((mixing.tobytes(), str(mixing.shape).encode(), chosen.tobytes()))
-        if trials is None and key in self._views:
-            return self._views[key]
+        if trials is None and key in self._cached_sums:
+            return self._cached_sums[key]
         layout, sums = self.layout, self._sums
         start, end = layout.own, layout.own + layout.candidates
         used = np.ones(len(self.setup), dtype=bool) if trials is None else trials
         entering = np.flatnonzero(mixing.any(axis=1))
         weights = mixing[entering]
-        alone = np.array_equal(weights, np.eye(entering.size))  # each a number by itself
+        unmixed = np.array_equal(weights, np.eye(entering.size))
 
         def mixed_parts(own: Array, candidates: Array, always: Array) -> Array:
-            those = candidates[..., entering]
-            return np.concatenate([own, those if alone else those @ weights, always], axis=-1)
+            acting = candidates[..., entering]
+            return np.concatenate([own, acting if unmixed else acting @ weights, always], axis=-1)
 
         def mixed(values: Array) -> Array:
             return mixed_parts(*np.split(values, [start, end], axis=-1))
 
         def of_size(size: int) -> OneSize:
             mine = np.flatnonzero(used & (self.size == size))
-            beyond = sums.beyond[width]
+            orthogonal_sums = sums.orthogonal_sums[width]
             blocks = np.unique(sums.block[mine])
             assert used[np.isin(sums.block, blocks)].all(), "trials of one block stay together"
-            both = beyond.precision[blocks].sum(axis=0)
+            precision = orthogonal_sums.precision[blocks].sum(axis=0)
             return OneSize(
                 mine,
                 *np.unique(self.setup[mine], return_inverse=True),
-                mixed(mixed(both).T),
-                mixed(beyond.slope[mine].sum(axis=0)),
-                float(beyond.square[mine].sum()),
+                mixed(mixed(precision).T),
+                mixed(orthogonal_sums.slope[mine].sum(axis=0)),
+                float(orthogonal_sums.square[mine].sum()),
                 sums.triangle[np.ix_(mine, np.arange(width), chosen)],
                 mixed_parts(*(part[mine, :width] for part in sums.across)),
                 sums.right[mine, :width],
@@ -167,7 +169,7 @@ class GravityPart(LinearRig):
 
         view = tuple(of_size(size) for size in range(len(layout.sizes)))
         if trials is None and mixing.shape[1] <= KEPT:
-            self._views = {key: view}
+            self._cached_sums = {key: view}
         return view
 
     def evaluate(
@@ -177,16 +179,16 @@ class GravityPart(LinearRig):
         phases: Sequence[tuple[int, float, str]] = (),
         used: Flags | None = None,
     ) -> Evaluated:
-        """Return what the events say of the numbers of a hypothesis."""
+        """Return the information of the events on the numbers of a hypothesis."""
         blocks = [(self.blocks[place], value) for place, value, _ in phases if place in self.blocks]
         chosen = np.concatenate(
             [np.arange(ALWAYS), *(np.arange(b.start, b.stop) for b, _ in blocks)]
         )
-        # Where nothing else scatters, the other columns' directions are rows like any.
-        width, kappa = (max(self._sums.beyond) if blocks else ALWAYS), noise["kappa"]
+        # Without phases, rows are separated only along the random columns of every hypothesis.
+        width, kappa = (max(self._sums.orthogonal_sums) if blocks else ALWAYS), noise["kappa"]
         variance, growth = wander_weights(noise["wander_length"], self._travel)
         sd = np.zeros(chosen.size)
-        sd[TRIAL], sd[ELSEWHERE], sd[UNEVEN], sd[CLOCK] = noise["tau"], 1.0, UNEVEN_SHARE, 1.0
+        sd[TRIAL], sd[RELEASE], sd[UNEVEN], sd[CLOCK] = noise["tau"], 1.0, UNEVEN_SHARE, 1.0
         sd[WANDER] = noise["wander"] * np.sqrt(variance)
         places, start = {}, ALWAYS
         for (block, value), (_, _, name) in zip(blocks, phases, strict=False):
@@ -194,28 +196,28 @@ class GravityPart(LinearRig):
             sd[places[name]] = value
             start = places[name].stop
         omega = np.array([noise["omega"], noise["omega_intercept"]])
-        view = self._view(mixing, chosen, width, used)
+        view = self._hypothesis_sums(mixing, chosen, width, used)
         by_size = [Scattered(sums, sd, omega, kappa, *self._weights(sums)) for sums in view]
         of_sizes = [(size, part.precision, part.slope) for size, part in enumerate(by_size)]
         information = self.joined(of_sizes, sum(scattered.constant for scattered in by_size))
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
-            """Return derivatives of the log evidence by the logarithms of the noise."""
+            """Return derivatives of the log evidence by the logarithms of noise parameters."""
             moments = [
                 scattered.moments(*of)
                 for scattered, *of in zip(by_size, mean, covariance, strict=True)
             ]
             trial_q, setup_q, scale = (sum(of) for of in zip(*moments, strict=True))
-            felt, shared_felt = sd**2 * trial_q, omega**2 * setup_q
+            by_sd, by_omega = sd**2 * trial_q, omega**2 * setup_q
             by_name = {
-                "tau": felt[TRIAL],
-                "omega": shared_felt[0],
-                "omega_intercept": shared_felt[1],
-                "wander": felt[WANDER].sum(),
-                "wander_length": 0.5 * (felt[WANDER] * growth).sum(),
-                "kappa": 0.5 * (scale - felt.sum() - shared_felt.sum()),
+                "tau": by_sd[TRIAL],
+                "omega": by_omega[0],
+                "omega_intercept": by_omega[1],
+                "wander": by_sd[WANDER].sum(),
+                "wander_length": 0.5 * (by_sd[WANDER] * growth).sum(),
+                "kappa": 0.5 * (scale - by_sd.sum() - by_omega.sum()),
             }
-            by_name |= {name: felt[block].sum() for name, block in places.items()}
+            by_name |= {name: by_sd[block].sum() for name, block in places.items()}
             return {name: float(value) for name, value in by_name.items()}
 
         deviations = None if self._heavy is None else partial(self._deviations, view, by_size)
@@ -234,7 +236,7 @@ class GravityPart(LinearRig):
         mean: Sequence[Array],
         covariance: Sequence[Array],
     ) -> Deviations:
-        """Return what all data say of the deviations that are Student-t."""
+        """Return the posterior of the Student-t deviations, given all data."""
         assert self._heavy is not None
         level, count, rank = self._heavy.level, self._heavy.weight.size, self._heavy.rank
         numbers, spread = np.zeros((count, rank)), np.tile(np.eye(rank), (count, 1, 1))
@@ -244,18 +246,18 @@ class GravityPart(LinearRig):
         return Deviations(numbers, spread)
 
     def squeezed(self, squeeze: Array, layout: Layout) -> "GravityPart":
-        """Return the rig with mixtures of its columns in their place."""
+        """Return the rig with combinations of its columns instead of them."""
         squeezed = copy(self)
         squeezed.layout = layout
         squeezed._squeeze = squeeze if self._squeeze is None else self._squeeze @ squeeze
         squeezed._sums = self._sums.squeezed(squeeze, self.layout, layout)
-        squeezed._views = {}
+        squeezed._cached_sums = {}
         return squeezed
 
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return the information of each trial alone on the local numbers, (N, q, q).
 
-        Its scatter and its assembly's, wander and measurement are taken up.
+        The scatter of the trial and of its assembly, wander and nuisances are integrated out.
         """
         sd = np.zeros(ALWAYS)
         sd[UNEVEN], sd[CLOCK] = UNEVEN_SHARE, 1.0
@@ -275,14 +277,15 @@ class GravityPart(LinearRig):
                     white * columns[rows],
                     nuisances.shape[1],
                 )
-                # Trials that nobody has made may be so long that 1 is lost beside their square.
+                # A planned trial may be so long that 1 would be lost next to the squared triangle,
+                # so the matrix is factorised without squaring it.
                 both = np.vstack([(triangle * sd).T, np.eye(len(triangle))])
                 seen = np.linalg.solve(np.linalg.qr(both)[1].T, along)
                 information[trial] = apart.T @ apart + seen.T @ seen
         return information
 
     def phase_strength(self, place: int) -> float:
-        """Return the squared signal over noise of a candidate's phases at unit amplitude."""
+        """Return the squared signal-to-noise ratio of a candidate's phases at unit amplitude."""
         if place not in self.blocks:
             return 0.0
         block = self.blocks[place]
@@ -301,18 +304,18 @@ class GravityPart(LinearRig):
         return np.stack([trial, assembly], axis=1)
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
-        """Return residual forces in windows of travel; fewer where events are few."""
+        """Return residual forces in windows of travel; trials with few events have fewer."""
         return windows_of(self.rows, self.columns_of, self._travel, noise)
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
-        """Return trials that run freely once their first events have set offset and speed.
+        """Return simulated trials whose offset and speed come from their first events alone.
 
         Parameters
         ----------
         noise : mapping of str to float
-            For what scatter leaves.
+            Noise parameters by name.
         numbers : ndarray, shape (A, N, q)
-            Local numbers of each arm, trial by trial.
+            Local numbers of each arm, for each trial.
         """
         scatter, runs = self.scatter(noise), {}
         for trials, part in self.rows.parts():
@@ -324,7 +327,7 @@ class GravityPart(LinearRig):
 
 
 class LinearEvents(GravityRows):
-    """Events of the gravity board, with which a diagnosis can be made."""
+    """Events of the gravity board for a diagnosis."""
 
     def laid_out(self, model: ModelColumns, place: int) -> GravityPart:
         """Return the rig with the columns of a model."""

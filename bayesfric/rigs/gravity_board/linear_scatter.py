@@ -1,4 +1,4 @@
-"""Scatter in the linear model of the gravity board: its columns and noise parameters."""
+"""Scatter in the linear model of the gravity board: random columns and noise parameters."""
 
 from functools import partial
 
@@ -11,21 +11,23 @@ from bayesfric.inference.priors import log_density
 from bayesfric.observation.linear import NoiseParameter, noise_parameter
 from bayesfric.rigs.gravity_board.event_rows import ROUGH_SD
 
-WAVES = 20  # cosines along the travel; half the wavelength of the last is 3 cm of 0.6 m
-TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
+WAVES = 20  # cosines along the travel; half a wave of the last one is 3 cm for a travel of 0.6 m
+# Places of the random columns: deviation of all friction and of the intercept, cosines of the
+# wander, travel before the first event, variation of an error of one sensor, clock offset.
+TRIAL, INTERCEPT, WANDER, RELEASE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
 UNEVEN, CLOCK = 3 + WAVES, 4 + WAVES
-ALWAYS = 5 + WAVES  # columns that scatter in every hypothesis
-UNEVEN_SHARE = 0.03  # by which two sensors disagree otherwise from trial to trial
-EVENT_SD_M = 30e-6  # of an event on a good board
-KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
-UNSTATED = (1e-3, 1e4)  # bounds of the same, of accelerations whose error nobody stated
+ALWAYS = 5 + WAVES  # number of random columns in every hypothesis
+UNEVEN_SHARE = 0.03  # relative variation, between trials, of an error of one sensor
+EVENT_SD_M = 30e-6  # standard deviation of an event on a good board
+KAPPA_SD_LOG = 0.3  # prior sd of log κ; κ is the variance of events over its first estimate
+UNSTATED = (1e-3, 1e4)  # bounds of κ for accelerations without a stated error
 
 
 def wander_weights(length_m: float, travel_m: float) -> tuple[Array, Array]:
-    """Return the variance of each cosine of a wander of unit rms, and how its log grows.
+    """Return the variance of each cosine of a wander of unit rms, and its derivative.
 
-    The process is that of :mod:`bayesfric.inference.cosines`, cut later than in a fit: boards
-    of other hands wander on shorter lengths too.
+    The process is that of :mod:`bayesfric.inference.cosines`. It has more cosines than in a fit,
+    because other boards may wander over shorter lengths.
 
     Parameters
     ----------
@@ -37,9 +39,9 @@ def wander_weights(length_m: float, travel_m: float) -> tuple[Array, Array]:
     Returns
     -------
     variance : ndarray, shape (WAVES,)
-        Of each cosine.
+        Variance of each cosine's coefficient.
     slope : ndarray, shape (WAVES,)
-        Derivative of its logarithm by the logarithm of the length.
+        Derivative of the logarithm of this variance by the logarithm of the length.
     """
     length = length_m / travel_m
     return cosine_variances(length, WAVES), log_variance_slopes(length, WAVES)
@@ -48,17 +50,17 @@ def wander_weights(length_m: float, travel_m: float) -> tuple[Array, Array]:
 def noise_of(
     priors: Priors, variance_m2: float, *, unstated: bool = False
 ) -> tuple[NoiseParameter, ...]:
-    """Return the parameters of the noise.
+    """Return the noise parameters.
 
     Parameters
     ----------
     priors : Priors
-        Of scatter and wander.
+        Priors of scatter and wander.
     variance_m2 : float
-        Of an event, by a first estimate [m²]; its factor is ``kappa``.
+        First estimate of the variance of an event [m²]; ``kappa`` is its factor.
     unstated : bool
-        Whether all trials have an acceleration alone, whose error nobody stated: there is no
-        first estimate of it then, but the prior ``sigma_a``.
+        Whether all trials have only an acceleration without a stated error. There is then no
+        first estimate, and the prior of ``kappa`` follows from that of ``sigma_a``.
     """
     usual = EVENT_SD_M**2 / variance_m2
     kappa = NoiseParameter("kappa", 1.0, (0.05, 1e4), _log_prior_kappa, usual)

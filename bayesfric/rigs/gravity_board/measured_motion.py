@@ -1,7 +1,7 @@
 """The measured motion of a trial, with enough resolution for local forces.
 
-It is a spline in time. Its pieces are independent except at their joints, so a spot at which the
-cable rubs does not disturb the release.
+It is a spline in time. Because its pieces are coupled only at the knots, a local force, such as
+that of a spot at which the cable rubs, does not change the estimated motion at the release.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,51 +17,51 @@ from bayesfric.rigs.gravity_board.paths import LEAST_SPEED_SHARE, Paths, trial_p
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
 DEGREE = 4
-PIECES, EVENTS_A_PIECE = 8, 7  # at most; at least
-STAGES, CORRECTIONS = 33, 6  # of the motion from rest to a speed
-LEAST_ACCELERATION = 0.02  # m/s², of a cable that is said to be released from rest
+PIECES, EVENTS_A_PIECE = 8, 7  # largest number of pieces; least number of events in each
+STAGES, CORRECTIONS = 33, 6  # grid and iterations of the motion from rest to a speed
+LEAST_ACCELERATION = 0.02  # m/s², lower bound in a motion from rest
 
 
 class MeasuredMotion(NamedTuple):
-    """What events say of N trials' motion, whatever the law is.
+    """The measured motion of N trials, independent of any law.
 
     Parameters
     ----------
     paths : Paths
-        Splines through the events.
-    rough : ndarray, shape (E,)
-        What they leave of each event [m].
+        Motion by splines through the events.
+    residual : ndarray, shape (E,)
+        Residual of each event from its spline [m].
     events : Events
-        Sorted by trial.
+        Events, sorted by trial.
     """
 
     paths: Paths
-    rough: Array
+    residual: Array
     events: Events
 
 
 def measured_motion(gravity: Gravity, rig: RigConstants) -> MeasuredMotion:
-    """Follow the motion of each trial."""
+    """Return the measured motion of each trial."""
     events = prepare_events(gravity.events, gravity.trials["trial"])
-    return MeasuredMotion(*_follow(trial_paths(gravity, rig), events), events)
+    return MeasuredMotion(*_fit_motions(trial_paths(gravity, rig), events), events)
 
 
-def _follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
-    """Smooth the motion of each trial that has events.
+def _fit_motions(paths: Paths, events: Events) -> tuple[Paths, Array]:
+    """Fit a spline to the motion of each trial that has events.
 
     Parameters
     ----------
     paths : Paths
-        Of N trials; those without events stay.
+        Paths of N trials; those of trials without events are kept.
     events : Events
-        Of the trials that have some, by their place among the N.
+        Events, with the index of their trial among the N.
 
     Returns
     -------
     paths : Paths
-        On the same grids.
+        Motion of the splines on the same grids.
     residual : ndarray, shape (E,)
-        What the spline leaves of each event, as large as its error is [m].
+        Residual of each event from a spline, scaled to the size of the event's error [m].
     """
     speed, acceleration = paths.speed_m_s.copy(), paths.acceleration_m_s2.copy()
     residual = np.zeros(events.tau.size)
@@ -72,27 +72,27 @@ def _follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
         trial, duration = int(events.trial[of_trial.start]), float(events.tau[of_trial].max())
         place, displacement = events.tau[of_trial] / duration, events.displacement[of_trial]
         sensors = events.of_sensors[:, of_trial]
-        # Each sensor by itself, lest one that slips disturbs what the other leaves.
+        # Residuals are from a spline for each sensor, so that slip at one of them has no influence.
         for rows in sensors:
             if rows.any():
-                left = _fit(place[rows], displacement[rows])[1]
+                left = _fit_spline(place[rows], displacement[rows])[1]
                 residual[of_trial][rows] = left
-        # Together for the motion, up to where they stand and by what part they differ.
+        # The motion is a common spline; the second sensor may have an offset and a relative error.
         both = sensors.any(axis=1).all()
         apart = [sensors[1] * column for column in (1.0, displacement)] if both else []
-        spline, _ = _fit(place, displacement, apart)
+        spline, _ = _fit_spline(place, displacement, apart)
         speed[trial] = spline.derivative()(grid) / duration
         acceleration[trial] = spline.derivative(2)(grid) / duration**2
         speed[trial] = np.maximum(speed[trial], LEAST_SPEED_SHARE * speed[trial].max())
     return Paths(paths.step_s, speed, acceleration), residual
 
 
-def _fit(
+def _fit_spline(
     place: Array, displacement: Array, apart: Sequence[Array] = ()
 ) -> "tuple[scipy.interpolate.BSpline, Array]":
-    """Return a spline over 0 to 1 and its residuals, as large as the errors are."""
+    """Return a spline over 0 to 1, and its residuals scaled to the size of the errors."""
     pieces = min(PIECES, max(1, place.size // EVENTS_A_PIECE))
-    # The joints span the events themselves; the ends are carried on.
+    # The knots span the events; beyond them the spline is extrapolated.
     low, high = float(place.min()), float(place.max())
     inner = np.linspace(low, high, pieces + 1)
     knots = np.concatenate([np.full(DEGREE, low), inner, np.full(DEGREE, high)])
@@ -116,7 +116,8 @@ def travel_to_speed(speed_m_s: Array, acceleration: Callable[[Array, Array], Arr
     speed_m_s : ndarray, shape (N,)
         The speeds [m/s].
     acceleration : callable
-        Of travel [m] and speed [m/s], both (N, S), to accelerations (N, S) [m/s²].
+        Function of travel [m] and speed [m/s], both (N, S), that returns accelerations (N, S)
+        [m/s²].
     """
     share = np.linspace(0, 1, STAGES)
     speed = speed_m_s[:, None] * share

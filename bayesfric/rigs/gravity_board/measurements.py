@@ -1,9 +1,8 @@
-"""What a trial of the gravity board measured: Hall events, or an acceleration alone.
+"""The measurements of a trial of the gravity board: Hall events, or only an acceleration.
 
-Either is a quadratic form in the trial's acceleration and in the amplitudes of the
-effects that change along it, times factors that the friction law does not touch.
-Events win where both are there. An acceleration alone is taken as the mean over a
-trial from rest.
+The log density of both is a quadratic form in the trial's acceleration and in the amplitudes of
+effects that change along it, plus terms that do not depend on the friction law. If a trial has
+both, its events are used. An acceleration without events is the mean over a trial from rest.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,11 +27,11 @@ from bayesfric.rigs.gravity_board.hall_events import (
 from bayesfric.rigs.gravity_board.late_clock import clock_sd_s
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
-START_SIGMA_A = 0.01  # m/s², a place to climb from
+START_SIGMA_A = 0.01  # m/s², starting value
 
 
 def pilot_accelerations(gravity: Gravity) -> Array:
-    """Return each trial's acceleration by plain least squares, or as stated, shape (N,)."""
+    """Return each trial's acceleration, by least squares or as recorded, shape (N,) [m/s²]."""
     trials = gravity.trials
     with_events = stands_in(trials["trial"], gravity.events["trial"]).to_numpy()
     acceleration = optional_column(trials, "acceleration_m_s2")
@@ -43,15 +42,15 @@ def pilot_accelerations(gravity: Gravity) -> Array:
 
 
 class Columns(NamedTuple):
-    """What K effects along N trials add at unit amplitude.
+    """Responses of N trials to K effects along them, at unit amplitude.
 
     Parameters
     ----------
     travel : ndarray, shape (K, E)
-        To the travel at each event, in the order of
+        Response of the travel at each event, in the order of
         :func:`bayesfric.rigs.gravity_board.trial_motion.prepare_events` [m].
     acceleration : ndarray, shape (K, N)
-        To the mean acceleration of a trial [m/s²].
+        Response of the mean acceleration of each trial [m/s²].
     """
 
     travel: Array
@@ -59,11 +58,11 @@ class Columns(NamedTuple):
 
 
 def joined(*parts: Columns | None) -> Columns | None:
-    """Return columns one after the other; None of none."""
-    there = [part for part in parts if part is not None]
-    if not there:
+    """Return the columns of all parts, one part after the other; None if there are none."""
+    given = [part for part in parts if part is not None]
+    if not given:
         return None
-    travel, acceleration = zip(*there, strict=True)
+    travel, acceleration = zip(*given, strict=True)
     return Columns(np.concatenate(travel), np.concatenate(acceleration))
 
 
@@ -73,14 +72,14 @@ def event_table(
     columns: Columns | None = None,
     scattered: Columns | None = None,
 ) -> EventTable | None:
-    """Tabulate the events of the trials that have some; None without any.
+    """Return a table of the events of all trials that have some; None if there are no events.
 
     Parameters
     ----------
     gravity : Gravity
         Trials and their events.
     rig : RigConstants
-        The board.
+        Constants of the board.
     columns, scattered : Columns or None
         As for :class:`TrialMeasurements`.
     """
@@ -101,10 +100,10 @@ def event_table(
 
 
 def noise_parameters(gravity: Gravity, analysis: Analysis) -> tuple[Parameter, ...]:
-    """Return the noise that measurements have.
+    """Return the noise parameters of the measurements.
 
-    That is sigma_x and sigma_t where there are events, and sigma_a where an acceleration comes
-    without its standard error.
+    They are sigma_x and sigma_t if there are events, and sigma_a if a trial without events has an
+    acceleration without a standard error.
     """
     trials, priors = gravity.trials, analysis.priors
     seen = stands_in(trials["trial"], gravity.events["trial"])
@@ -120,7 +119,7 @@ def noise_parameters(gravity: Gravity, analysis: Analysis) -> tuple[Parameter, .
 
 
 def rough_noise(parameters: Sequence[Parameter], residual_m: float) -> dict[str, float]:
-    """Return rough estimates of the noise, by the rms residual of the events [m]."""
+    """Return rough estimates of noise parameters, from the rms residual of the events [m]."""
     rough = {"sigma_x": residual_m, "sigma_t": 0.1 * residual_m, "sigma_a": START_SIGMA_A}
     return {parameter.name: rough[parameter.name] for parameter in parameters}
 
@@ -133,13 +132,13 @@ class TrialMeasurements:
     gravity : Gravity
         Trials and their events.
     table : EventTable or None
-        Of the events, see :func:`event_table`.
+        Table of the events, see :func:`event_table`.
     analysis : Analysis
         Priors of the noise.
     columns : Columns or None
-        What effects along the trials add.
+        Responses to effects along the trials.
     scattered : Columns or None
-        What numbers add that are drawn anew in each trial; they come first in the form.
+        Responses to coefficients that are independent in each trial; they come first in the form.
     """
 
     def __init__(
@@ -160,13 +159,13 @@ class TrialMeasurements:
             alone = trials.iloc[self._by_acceleration]
             self._acceleration = alone["acceleration_m_s2"].to_numpy(dtype=np.float64)
             self._stated_sd = optional_column(alone, "acceleration_sd_m_s2")
-            shown = []  # what each adds to the mean acceleration
+            responses = []  # of the mean acceleration, to each variable of the form
             if scattered is not None:
-                shown += list(scattered.acceleration[:, self._by_acceleration])
-            shown.append(np.ones(self._by_acceleration.size))
+                responses += list(scattered.acceleration[:, self._by_acceleration])
+            responses.append(np.ones(self._by_acceleration.size))
             if columns is not None:
-                shown += list(columns.acceleration[:, self._by_acceleration])
-            self._shown = np.stack(shown)
+                responses += list(columns.acceleration[:, self._by_acceleration])
+            self._responses = np.stack(responses)
 
     def at(
         self,
@@ -174,21 +173,22 @@ class TrialMeasurements:
         variances: Sequence[Array] = (),
         motions: Motions | None = None,
     ) -> TrialForm:
-        """Evaluate the measurements at the noise of each walker.
+        """Return the quadratic forms of the trials at the noise of each walker.
 
         Parameters
         ----------
         theta : mapping of str to ndarray of shape (W,)
             Parameters by name.
         variances : sequence of B ndarrays, shape (W, N)
-            Of the normal numbers that are drawn anew in each trial; they are integrated out.
+            Variances of the normal coefficients that are independent in each trial. These
+            coefficients are integrated out.
         motions : pair of sequence of 2 + K arrays or floats, broadcastable to (W, N), or None
-            Multiples of two motions (w, −1) take the place of w.
+            Two motions (w, −1). The form in their multiples replaces the form in w.
 
         Returns
         -------
         TrialForm
-            Of W noises and N trials.
+            Forms for W walkers and N trials.
         """
         if not self._by_acceleration.size:
             return self._events.at(theta["sigma_x"], theta["sigma_t"], variances, motions)
@@ -209,7 +209,7 @@ class TrialMeasurements:
 
     @cached_property
     def origin(self) -> Array:
-        """From which the acceleration of each trial is counted, shape (N,) [m/s²]."""
+        """Acceleration of each trial at which w is 0, shape (N,) [m/s²]."""
         origin = np.empty(self._by_events.size + self._by_acceleration.size)
         if self._by_events.size:
             origin[self._by_events] = self._events.origin
@@ -220,12 +220,13 @@ class TrialMeasurements:
     def _alone(
         self, theta: Mapping[str, Array], variances: Sequence[Array], motions: Motions | None
     ) -> TrialForm:
-        """Return the trials that have an acceleration alone: it is its own origin."""
+        """Return the forms of the trials that have only an acceleration."""
         walkers = max((len(values) for values in theta.values()), default=1)
         unknown = theta["sigma_a"][:, None] if "sigma_a" in theta else np.nan
         sd = np.where(np.isfinite(self._stated_sd), self._stated_sd, unknown)
         precision = np.broadcast_to(1 / sd**2, (walkers, sd.shape[-1]))
-        columns = [*self._shown, np.zeros_like(self._acceleration)]  # no residual
+        # The residual is 0, because each recorded acceleration is its own origin.
+        columns = [*self._responses, np.zeros_like(self._acceleration)]
         form = gram(columns, np.ones_like(self._acceleration), np.asarray)[:, None] * precision
         if motions is not None:
             first, second = (
@@ -241,7 +242,7 @@ class TrialMeasurements:
 def _columns(
     trials: Whole, variances: Sequence[Array], motions: Motions | None
 ) -> tuple[list[Array], Motions | None]:
-    """Return what belongs to some of the trials."""
+    """Return variances and motions of some of the trials."""
     of_motions = motions and [
         [x if np.ndim(x) == 0 else np.asarray(x)[:, trials] for x in y] for y in motions
     ]
@@ -249,7 +250,7 @@ def _columns(
 
 
 def optional_column(table: pd.DataFrame, name: str) -> Array:
-    """Return an optional column, NaN where it is absent."""
+    """Return an optional column, or NaN if the table lacks it."""
     if name not in table:
         return np.full(len(table), np.nan)
     return table[name].to_numpy(dtype=np.float64, copy=True)

@@ -1,10 +1,9 @@
-"""Where trials of the gravity board are when an effect acts, and what it does there.
+"""States of the gravity board's trials at which effects are evaluated, and their responses.
 
-Effects are evaluated along the measured motion, at coefficients by least squares. A force
-along the path adds an acceleration, and so a travel; an error of a reading lets the events
-say another displacement than the cable's. It is evaluated where the events lie on the
-measured motion, so that the slope of what is read remains the measured speed, which stands
-in the Jacobian.
+Effects are evaluated along the measured motion, at least-squares estimates of the coefficients. A
+force along the path adds an acceleration, and so a travel. An error of a reading changes the
+displacement of an event. It is evaluated at the events on the measured motion. The derivative of
+the reading by time is then still the measured speed, which is the Jacobian of the density.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,7 +25,7 @@ from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.base import Unsupported, why_inert
 from bayesfric.rigs.gravity_board.hall_events import EventTable
 from bayesfric.rigs.gravity_board.measurements import Columns, event_table, pilot_accelerations
-from bayesfric.rigs.gravity_board.paths import Paths, motion_untold, trial_paths
+from bayesfric.rigs.gravity_board.paths import Paths, motion_unknown, trial_paths
 from bayesfric.rigs.gravity_board.trial_motion import (
     Events,
     pilot_coefficients,
@@ -39,34 +38,34 @@ ON_CURRENT = Unsupported("It acts on the current of a motor, and this board has 
 SHAPED_PHASES = Unsupported(
     "Nobody recorded its phases, and how it varies between them is not known either."
 )
-LEAST_ACCELERATION = 1e-3  # m/s², of a trial that is said to start from rest
+LEAST_ACCELERATION = 1e-3  # m/s², lower bound in a motion from rest
 BENT_READING = Unsupported(
     "It rings faster than the likelihood's few fixed responses follow, its rate being unknown."
 )
 
 
 class TrialPlaces:
-    """N trials, roughly: coefficients by least squares, and the measured motion.
+    """N trials with rough coefficients by least squares, and their measured motion.
 
     Parameters
     ----------
     gravity : Gravity
         Trials and their events.
     rig : RigConstants
-        The board.
+        Constants of the board.
 
     Attributes
     ----------
     condition : Condition
-        Of each trial, arrays of shape (N,).
+        Condition of each trial, arrays of shape (N,).
     size : SizeIndex
         Pulley size of each trial.
     acceleration : ndarray, shape (N,)
-        By plain least squares [m/s²].
+        Acceleration by ordinary least squares [m/s²].
     rough : dict of str to float
-        Coefficients by name.
+        Rough coefficients by name.
     law : Coefficients
-        The same for each trial, arrays of shape (1, N).
+        Rough coefficients of each trial, arrays of shape (1, N).
     """
 
     def __init__(self, gravity: Gravity, rig: RigConstants) -> None:
@@ -90,18 +89,18 @@ class TrialPlaces:
 
     @cached_property
     def wander(self) -> Columns:
-        """What a newton of each cosine of the wander adds."""
+        """Responses to 1 N of each cosine of the wander."""
         shape = cosines(np.minimum(self.travel_m / self.extent_m, 1.0), MODES)
         return self.columns(list(-shape / self.condition.total_mass_kg[:, None]))
 
     @cached_property
     def extent_m(self) -> float:
-        """The longest travel of a trial with events, along which friction wanders [m]."""
+        """The longest travel of a trial with events, which is the extent of the wander [m]."""
         return float(self.travel_m[self.with_events].max())
 
     @cached_property
     def table(self) -> EventTable | None:
-        """The events where nothing but wander changes along the trials; None without any."""
+        """Table of the events without effects along the trials, but with wander; None without."""
         wander = self.wander if self.with_events.any() else None
         return event_table(self._gravity, self._rig, scattered=wander)
 
@@ -115,7 +114,7 @@ class TrialPlaces:
 
     @cached_property
     def residual_m(self) -> float:
-        """Rms residual of the events of trials of constant acceleration; 0 without any [m]."""
+        """Rms residual of the events from constant accelerations; 0 without events [m]."""
         return 0.0 if self.events is None else pilot_of(self.events).rms_residual
 
     @property
@@ -125,24 +124,24 @@ class TrialPlaces:
         return np.asarray(stands_in(trials["trial"], events["trial"]))
 
     def state(self, law: Coefficients, acceleration: Array) -> State:
-        """Return where trials are on average, arrays of shape (W, N).
+        """Return the state of each trial at speed 0, arrays of shape (W, N).
 
         Parameters
         ----------
         law : Coefficients
-            Arrays of shape (W, N).
+            Coefficients, arrays of shape (W, N).
         acceleration : ndarray, broadcastable to (W, N)
-            Sets the tension too [m/s²].
+            Acceleration, which also determines the tension [m/s²].
         """
         return self._state(law, acceleration, 0.0)
 
     def typical_state(self, law: Coefficients) -> State:
-        """Return where trials are at their mean speed and rough acceleration, (W, N)."""
+        """Return the state of each trial at its mean speed and rough acceleration, (W, N)."""
         speed = self.paths.speed_m_s.mean(axis=1)
         return self._state(law, self.acceleration, speed)
 
-    def slowing(self, active: ActiveEffect, values: Mapping[str, Any]) -> Array:
-        """Return the acceleration that a force adds along the paths, (…, N, P) [m/s²]."""
+    def added_acceleration(self, active: ActiveEffect, values: Mapping[str, Any]) -> Array:
+        """Return the change of acceleration by an effect along the paths, (…, N, P) [m/s²]."""
         column = Condition(*(np.reshape(np.asarray(part), (-1, 1)) for part in self.condition))
         law = Coefficients(*(np.transpose(part) for part in self.law))
         around = {name: np.reshape(part, (-1, 1)) for name, part in self._around.items()}
@@ -161,12 +160,12 @@ class TrialPlaces:
         return np.asarray(-np.broadcast_to(force, (*force.shape[:-2], *paths.speed_m_s.shape)))
 
     def columns(self, added: Sequence[Array]) -> Columns:
-        """Return what accelerations along the paths do.
+        """Return the responses to accelerations along the paths.
 
         Parameters
         ----------
         added : sequence of K ndarrays, shape (N, P)
-            Along the paths, at unit amplitude [m/s²].
+            Added accelerations along the paths, at unit amplitude [m/s²].
         """
         seen, events = self.with_events, self.events
         travel = np.empty((0, 0))
@@ -176,19 +175,19 @@ class TrialPlaces:
         return Columns(travel, np.stack([force.mean(axis=-1) for force in added]))
 
     def read_columns(self, travel: Array) -> Columns:
-        """Return what errors of readings do, shape (K, E) [m]: an acceleration has none."""
+        """Return the responses to errors of readings, (K, E) [m]; accelerations have none."""
         return Columns(travel, np.zeros((len(travel), self.acceleration.size)))
 
-    def misread(self, active: ActiveEffect, values: Mapping[str, Any]) -> Array:
-        """Return the travel that an error of readings takes from each event, (…, E) [m]."""
+    def reading_response(self, active: ActiveEffect, values: Mapping[str, Any]) -> Array:
+        """Return minus the error of each event's reading, (…, E) [m]."""
         law = active.effect.laws[active.law]
         return np.asarray(-np.asarray(law(values, self._reading)), dtype=np.float64)
 
     def supports(self, effect: Effect) -> Unsupported | None:
-        """Return why an effect cannot enter the likelihood; None where it can."""
+        """Return why the likelihood cannot contain an effect; None if it can."""
         if effect.acts_on == "current":
             return ON_CURRENT
-        if reason := motion_untold(effect, self._gravity, self._rig):
+        if reason := motion_unknown(effect, self._gravity, self._rig):
             return reason
         if effect.components and effect.shape is not None:
             return SHAPED_PHASES
@@ -198,9 +197,9 @@ class TrialPlaces:
             active = ActiveEffect(effect, law)
             values = small_values(effect)
             if effect.acts_on == "reading":
-                response = self.misread(active, values)
+                response = self.reading_response(active, values)
             elif effect.along_path or effect.components:
-                response = self.slowing(active, values)
+                response = self.added_acceleration(active, values)
             else:
                 response = np.asarray(
                     effect.laws[law](values, self.state(self.law, self.acceleration))
@@ -219,8 +218,8 @@ class TrialPlaces:
     def travel_m(self) -> Array:
         """Travel since the release along the paths, (N, P) [m].
 
-        The board is taken to have come to its first speed at its first acceleration, over one
-        spacing of the magnets at most: a push spares some travel.
+        The travel before the first event is that from rest to the first speed at the first
+        acceleration, but at most one spacing of events, because a push shortens it.
         """
         speed, acceleration = self.paths.speed_m_s[:, :1], self.paths.acceleration_m_s2[:, :1]
         start = speed**2 / (2 * np.maximum(acceleration, LEAST_ACCELERATION))
@@ -229,7 +228,7 @@ class TrialPlaces:
 
     @cached_property
     def _reading(self) -> Reading:
-        """Where the cable and a sensor are at each event, arrays of shape (E,)."""
+        """States of cable and sensor at each event, arrays of shape (E,)."""
         events, rig = self.events, self._rig
         assert events is not None and rig.hall_spacing_m
         fit = pilot_coefficients(events)[events.trial]

@@ -1,4 +1,4 @@
-"""Trials of the gravity board, and friction against tension."""
+"""Data for figures of the gravity board: trials, friction against tension, and trajectories."""
 
 import numpy as np
 import pandas as pd
@@ -17,21 +17,19 @@ from bayesfric.rigs.gravity_board.trial_motion import PilotFit, pilot_fits
 from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.truth import table1_coefficients
 
-SHOWN_TRIALS = 6
-
-
+SHOWN_TRIALS = 6  # largest number of trajectories
 CURVE_POINTS = 41
 
 
 def trials(model: GravityModel, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
-    """Return friction observed, and predicted for a new trial on a new assembly.
+    """Return observed friction, and predicted friction of a new trial on a new assembly.
 
     Parameters
     ----------
     model : GravityModel
-        Of the fit.
+        Model of the fit.
     recorded : DataFrame
-        All trials as recorded, for their order.
+        All recorded trials, which give the order.
     view : Predictive
         The fit.
     """
@@ -51,7 +49,7 @@ def trials(model: GravityModel, recorded: pd.DataFrame, view: Predictive) -> xr.
 
 
 def curves(model: GravityModel, named: dict[str, Array], baseline: FrictionLaw) -> xr.Dataset:
-    """Return friction against tension at each (size, n, θ) cell, of the law and of Table I."""
+    """Return friction against tension for each (size, n, θ), by the law and by Table I."""
     trials = model.trials
     cells = trials[["pulley_size", "n_pulleys", "wrap_angle_deg"]].drop_duplicates()
     by_size = cells["pulley_size"].map(model.sizes.index)
@@ -86,15 +84,15 @@ def trajectories(
     factor: Array,
     baseline: FrictionLaw,
 ) -> xr.Dataset:
-    """Predict a few trials, free-running from the first event's speed."""
+    """Return predicted trajectories of a few trials, from the speed at their first event."""
     trials = model.trials
     with_events = np.flatnonzero(stands_in(trials["trial"], gravity.events["trial"]))
     if not with_events.size:
         return xr.Dataset()
     pilot = pilot_fits(gravity.events, trials["trial"].iloc[with_events])
-    chosen = _typical(trials.iloc[with_events].reset_index(drop=True), pilot.acceleration)
+    chosen = _slow_and_fast(trials.iloc[with_events].reset_index(drop=True), pilot.acceleration)
     predicted = [
-        _predicted(
+        _predicted_trial(
             model, gravity, rig, pilot, fitted, int(with_events[fitted]), named, factor, baseline
         )
         for fitted in chosen
@@ -131,7 +129,7 @@ def trajectories(
     )
 
 
-def _predicted(
+def _predicted_trial(
     model: GravityModel,
     gravity: Gravity,
     rig: RigConstants,
@@ -142,9 +140,9 @@ def _predicted(
     factor: Array,
     baseline: FrictionLaw,
 ) -> tuple[pd.Series, Array, Array, Array]:
-    """Return a trial, the times and places of its first sensor's events, and those predicted.
+    """Return a trial, times and displacements of one sensor's events, and predictions of these.
 
-    `fitted` is its place among the pilot's trials, and `place` among the model's.
+    `fitted` is the trial's index in the pilot fit, and `place` its index in the model.
     """
     row = model.trials.iloc[place]
     events = gravity.events[gravity.events["trial"] == row["trial"]]
@@ -167,8 +165,8 @@ def _predicted(
     return row, time, events["displacement_m"].to_numpy(), bands(motion.position(time))
 
 
-def _typical(trials: pd.DataFrame, acceleration: Array) -> list[int]:
-    """Return a slow and a fast trial of each size, at most six in all."""
+def _slow_and_fast(trials: pd.DataFrame, acceleration: Array) -> list[int]:
+    """Return a slow and a fast trial of each size, at most :data:`SHOWN_TRIALS` in total."""
     chosen: list[int] = []
     for _, rows in trials.groupby("pulley_size", sort=False).groups.items():
         places = np.asarray(rows)[np.argsort(acceleration[rows], kind="stable")]

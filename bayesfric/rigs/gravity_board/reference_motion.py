@@ -1,7 +1,7 @@
-"""Where trials of the gravity board are along their paths, by the reference law.
+"""States of the gravity board's trials along their paths, by the reference law.
 
-The speed along a path is the measured one; the travel to the first event, which nobody
-measured, is that of the reference law from the release.
+The speed along a path is the measured one. The travel before the first event was not measured and
+is computed with the reference law.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,17 +22,17 @@ from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, travel_
 from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 from bayesfric.rigs.pulley_radii import pulley_radii
 
-PUSHED = 0.15  # of the travel from rest to the first speed, that a push may have spared
-SPACING_M = 0.01  # where the rig does not say
+PUSHED = 0.15  # share by which a push reduces the travel from rest to the first speed, and its sd
+SPACING_M = 0.01  # spacing of events if the rig does not state one
 
 
 class ReferenceMotion:
-    """Trials along their paths: P places in each of N.
+    """N trials at P times along their paths.
 
     Parameters
     ----------
     gravity, rig, laws, measured, acting, law
-        As in :class:`bayesfric.rigs.gravity_board.rows.GravityRows`.
+        As in :class:`bayesfric.rigs.gravity_board.event_columns.EventColumns`.
     """
 
     def __init__(
@@ -50,20 +50,20 @@ class ReferenceMotion:
         self.law = law_of_rows(laws, sizes)
         mass = self.condition.total_mass_kg
         self.friction_n = law.gravity(self.law, self.condition)
-        self._predicted = (self.condition.drive_force_n - self.friction_n) / mass
-        self.acceleration = np.maximum(self._predicted, 0.0)
+        self._law_acceleration = (self.condition.drive_force_n - self.friction_n) / mass
+        self.acceleration = np.maximum(self._law_acceleration, 0.0)
         self.order = rank(gravity.trials)
         radii = pulley_radii(list(sizes.unique()), rig)
         self._radius = np.array([radii[size] for size in sizes])
         self._paths = measured.paths
         self._feedback = tension_feedback(self.law, self.condition)[:, None]
-        self._slowed = self._feedback / mass[:, None]
-        self._before = self._travel_before(acting)
-        self._travel = self._travelled()
+        self._deceleration_per_n = self._feedback / mass[:, None]
+        self._travel_to_first = self._travel_before(acting)
+        self._travel = self._travel_along_paths()
         self.state = self._state_at(self._travel, self._paths.speed_m_s)
 
     def covariates(self) -> dict[str, Array]:
-        """Return where every trial is along its path, arrays that broadcast to (N, P)."""
+        """Return covariates of every trial along its path, arrays that broadcast to (N, P)."""
         return {
             "velocity": self._paths.speed_m_s,
             "displacement": self._travel,
@@ -78,15 +78,15 @@ class ReferenceMotion:
 
     @property
     def intercept_n(self) -> Array:
-        """The part of friction that scatters beside all of it, (N,) [N]."""
+        """Force to which the scatter of the intercept is relative, shape (N,) [N]."""
         return np.asarray(self.condition.n_pulleys) * intercept_of(self.law)
 
-    def _travelled(self) -> Array:
+    def _travel_along_paths(self) -> Array:
         """Return the travel since the release along every path, shape (N, P) [m]."""
         speed = self._paths.speed_m_s
         step = self._paths.step_s * 0.5 * (speed[:, 1:] + speed[:, :-1])
-        before = self._before[:, None]
-        return np.concatenate([before, before + np.cumsum(step, axis=1)], axis=1)
+        first = self._travel_to_first[:, None]
+        return np.concatenate([first, first + np.cumsum(step, axis=1)], axis=1)
 
     def _travel_before(self, acting: Sequence[tuple[Candidate, float]]) -> Array:
         """Return the travel from the release to the first event, shape (N,) [m]."""
@@ -96,10 +96,10 @@ class ReferenceMotion:
             force = np.zeros_like(travel)
             for candidate, amplitude in acting:
                 force = force + amplitude * unit_response(candidate, state)
-            return np.asarray(self.acceleration[:, None] - self._slowed * force)
+            return np.asarray(self.acceleration[:, None] - self._deceleration_per_n * force)
 
         from_rest = travel_to_speed(self._paths.speed_m_s[:, 0], acceleration)
-        # The first event comes within one spacing of the release; a push spares some travel.
+        # The first event is at most one spacing after the release; a push shortens the travel.
         most = np.minimum(from_rest, self.constants.hall_spacing_m or SPACING_M)
         return np.asarray((1 - PUSHED) * most)
 

@@ -1,6 +1,7 @@
-"""Residuals of each trial of the gravity board: forces in windows, and free-running motion."""
+"""Residuals of the gravity board's trials: forces in windows, and simulated motion."""
 
 from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -10,23 +11,23 @@ from bayesfric.observation.linear import Run, Windows
 from bayesfric.rigs.gravity_board.linear_scatter import TRIAL, WANDER, WAVES, wander_weights
 from bayesfric.rigs.gravity_board.rows import GravityRows
 
-WINDOWS = 8  # of a trial's travel
-EVENTS_A_WINDOW = 4  # at least, of both sensors
-SENSOR_POWERS = (1, 2, 3)  # powers of the travel, by which two sensors differ
-FIRST = 5  # events of a sensor that set the offset and the first speed
+WINDOWS = 8  # windows of a trial's travel
+EVENTS_A_WINDOW = 4  # least number of events in a window, of both sensors together
+SENSOR_POWERS = (1, 2, 3)  # powers of the travel in the difference of the two sensors
+FIRST = 5  # events of each sensor that determine offset and first speed of a simulated trial
 
 
 def whitening(board: GravityRows, rows: slice) -> tuple[Array, Callable[[Array], Array]]:
-    """Return 1/sd of the rows of a trial, and the projection off their nuisances.
+    """Return 1/sd of the rows of a trial, and the projection orthogonal to their nuisances.
 
-    What the two sensors differ by is one of them: a force is what both see.
+    Differences between the two sensors are nuisances, because a force moves both sensors alike.
 
     Parameters
     ----------
     board : GravityRows
         Events.
     rows : slice
-        Of one trial.
+        Rows of the trial.
     """
     white = 1 / np.sqrt(board.variance[rows])
     nuisance = board.events.nuisances(rows) * white
@@ -47,46 +48,53 @@ def windows_of(
     travel_m: float,
     noise: Mapping[str, float],
 ) -> Windows:
-    """Return residual forces in windows of travel; fewer where events are few.
+    """Return residual forces in windows of travel; trials with few events have fewer windows.
 
     Parameters
     ----------
     board : GravityRows
         E events.
     columns_of : callable
-        Of some of the trials, to the columns of the local numbers, (e, q) [m].
+        Function of the rows of some trials that returns the columns of the local numbers, (e, q)
+        [m].
     travel_m : float
-        The longest [m].
+        Longest travel of all trials [m].
     noise : mapping of str to float
-        By name.
+        Noise parameters by name.
     """
     variance = wander_weights(noise["wander_length"], travel_m)[0] * noise["wander"] ** 2
-    solved_trials = []
+    of_trials: list[tuple[Any, ...]] = []
     for trials, part in board.parts():
-        solved = _windows_of_part(part, columns_of(part), travel_m, variance, noise["kappa"])
-        solved_trials += [(trial + trials.start, *those) for trial, *those in solved]
-    names = solved_trials[0][3]
+        windows = _windows_of_part(part, columns_of(part), travel_m, variance, noise["kappa"])
+        of_trials += [(trial + trials.start, *rest) for trial, *rest in windows]
+    trial, forces, covariance, covariates, wander = zip(*of_trials, strict=True)
     return Windows(
-        row=np.concatenate([np.full(len(f[1]), f[0]) for f in solved_trials]),
-        residual_n=np.concatenate([f[1][:, 0] for f in solved_trials]),
-        columns=np.concatenate([f[1][:, 1:] for f in solved_trials]),
-        covariance=tuple(f[2] for f in solved_trials),
-        wander=tuple(f[4] for f in solved_trials),
-        covariates={name: np.concatenate([f[3][name] for f in solved_trials]) for name in names},
+        row=np.repeat(trial, [len(force) for force in forces]),
+        residual_n=np.concatenate([force[:, 0] for force in forces]),
+        columns=np.concatenate([force[:, 1:] for force in forces]),
+        covariance=covariance,
+        wander=wander,
+        covariates={
+            name: np.concatenate([of_trial[name] for of_trial in covariates])
+            for name in covariates[0]
+        },
     )
 
 
 def _windows_of_part(
     board: GravityRows, columns: Array, travel_m: float, variance: Array, kappa: float
 ) -> Iterator[tuple[int, Array, Array, dict[str, Array], Array]]:
-    """Yield each trial with what its windows show: forces, covariance, places, wander."""
+    """Yield each trial's index, and its windows' forces, covariance, covariates and wander.
+
+    The forces have a column of residuals, followed by a column for each local number.
+    """
     newton, places = board.window_columns(WINDOWS)
     for trial, rows in enumerate(board.rows_of_trials()):
         enough = max(1, (rows.stop - rows.start) // EVENTS_A_WINDOW)
         joined = _join(WINDOWS, min(WINDOWS, enough))
         white, project = whitening(board, rows)
         design = project(white[:, None] * (newton[:, rows].T @ joined))
-        # Least squares of this design, which has no part along the nuisances.
+        # Least squares with the design, which is orthogonal to the nuisances.
         inverse = np.linalg.pinv(design, rcond=max(design.shape) * np.finfo(float).eps) * white
         solved = np.column_stack([inverse @ board.residual[rows], inverse @ columns[rows]])
         mean = joined / joined.sum(axis=0)
@@ -107,20 +115,18 @@ def runs_of(
     noise: Mapping[str, float],
     numbers: Array,
 ) -> dict[int, Run]:
-    """Return trials that run freely once their first events have set offset and speed.
+    """Return simulated trials whose offset and speed come from their first events alone.
 
     Parameters
     ----------
     board, travel_m, noise
-        As of :func:`windows_of`.
-    columns : ndarray, shape (E, q)
-        Of the local numbers [m].
-    random : ndarray, shape (E, R)
-        Columns of what scatters [m].
+        As in :func:`windows_of`.
+    columns, random : ndarray, shape (E, q) and (E, R)
+        Columns of the local numbers, and random columns [m].
     scatter : ndarray, shape (N, 2)
-        Relative variance of friction.
+        Relative variance of a trial's and of its assembly's friction.
     numbers : ndarray, shape (A, N, q)
-        Local numbers of each arm, trial by trial.
+        Local numbers of each arm, for each trial.
     """
     wander = noise["wander"] ** 2 * wander_weights(noise["wander_length"], travel_m)[0]
     spread2 = scatter.sum(axis=1)
@@ -130,60 +136,64 @@ def runs_of(
         first = np.zeros(nuisance.shape[1], dtype=bool)
         for sensor in nuisance[:2]:
             first[np.flatnonzero(sensor != 0)[:FIRST]] = True
-        seen = (nuisance != 0).any(axis=1)
-        if first.all() or not seen[2]:
+        present = (nuisance != 0).any(axis=1)
+        if first.all() or not present[2]:
             continue
         variance = noise["kappa"] * board.variance[rows]
-        left = board.clock_residual[rows] - numbers[:, trial] @ columns[rows].T
-        left = _on_one_clock(board, rows, left)
-        design = nuisance[seen].T @ np.linalg.pinv(nuisance[seen].T[first])
-        carry = design[~first]
-        moved = random[rows][~first] - carry @ random[rows][first]
-        floor = spread2[trial] * (moved[:, TRIAL] ** 2).mean()
-        floor += (moved[:, WANDER] ** 2 @ wander).mean()
-        error = variance[~first] + carry**2 @ variance[first]
-        later = columns[rows][~first] - carry @ columns[rows][first]
+        residual = board.clock_residual[rows] - numbers[:, trial] @ columns[rows].T
+        residual = _on_one_clock(board, rows, residual)
+        # From residuals of the first events to offsets and first speed, and so to all events.
+        design = nuisance[present].T @ np.linalg.pinv(nuisance[present].T[first])
+        to_later = design[~first]
+        later_random = random[rows][~first] - to_later @ random[rows][first]
+        floor = spread2[trial] * (later_random[:, TRIAL] ** 2).mean()
+        floor += (later_random[:, WANDER] ** 2 @ wander).mean()
+        error = variance[~first] + to_later**2 @ variance[first]
+        later_columns = columns[rows][~first] - to_later @ columns[rows][first]
         sensors = nuisance[:2] != 0
-        shown = sensors[0] if sensors[0].any() else sensors[1]
+        sensor = sensors[0] if sensors[0].any() else sensors[1]
         measured = board.events.displacement[rows]
-        tau = board.events.tau[rows][shown]
+        tau = board.events.tau[rows][sensor]
         runs[trial] = Run(
             trial,
-            left[:, ~first] - left[:, first] @ carry.T,
+            residual[:, ~first] - residual[:, first] @ to_later.T,
             float(error.mean()),
             float(floor),
-            later.T @ later / len(later),
+            later_columns.T @ later_columns / len(later_columns),
             tau - tau[0],
-            measured[shown],
-            (measured - (left - left[:, first] @ design.T))[:, shown],
+            measured[sensor],
+            (measured - (residual - residual[:, first] @ design.T))[:, sensor],
         )
     return runs
 
 
-def _on_one_clock(board: GravityRows, rows: slice, left: Array) -> Array:
-    """Take off what the offset between the sensors' clocks does, as all rows of a trial show it.
+def _on_one_clock(board: GravityRows, rows: slice, residual: Array) -> Array:
+    """Return residuals without the clock offset that is estimated from all rows of a trial.
+
+    The estimate is the posterior mean, with unknown nuisances and an unknown parabola in time,
+    which represents friction.
 
     Parameters
     ----------
     board : GravityRows
         Events.
     rows : slice
-        Of one trial, n of them.
-    left : ndarray, shape (A, n)
-        Residuals, in which a parabola beside the nuisances stands for friction [m].
+        The n rows of the trial.
+    residual : ndarray, shape (A, n)
+        Residuals [m].
     """
     late = board.clock_column()[rows]
     if not late.any():
-        return left
+        return residual
     nuisance, tau = board.events.nuisances(rows), board.events.tau[rows]
     white = 1 / np.sqrt(board.variance[rows])
     basis = np.linalg.qr((np.vstack([nuisance, tau**2]) * white).T)[0]
-    shown = late * white - basis @ (basis.T @ (late * white))
-    size = (left * white) @ shown / (shown @ shown + 1)  # its prior has unit variance
-    return np.asarray(left - size[:, None] * late)
+    column = late * white - basis @ (basis.T @ (late * white))
+    offset = (residual * white) @ column / (column @ column + 1)  # its prior has unit variance
+    return np.asarray(residual - offset[:, None] * late)
 
 
 def _join(fine: int, coarse: int) -> Array:
-    """Return which of the fine windows make a coarse one, shape (fine, coarse)."""
+    """Return which fine windows form each coarse window, shape (fine, coarse)."""
     group = np.arange(fine) * coarse // fine
     return np.asarray(group[:, None] == np.arange(coarse), dtype=np.float64)

@@ -1,6 +1,6 @@
-"""Trials of one pulley size, their scatter and their assemblies' integrated out at a noise.
+"""Information of the trials of one pulley size, with their scatter integrated out.
 
-An assembly has one size, so that sizes share numbers alone and are taken one after another.
+An assembly has pulleys of one size. Sizes therefore share no scatter and are treated one by one.
 """
 
 from dataclasses import dataclass
@@ -13,30 +13,33 @@ from bayesfric.observation.heavy_scatter import Deviations
 from bayesfric.observation.shared_deviation import SharedDeviation, squares_left
 from bayesfric.rigs.gravity_board.linear_scatter import INTERCEPT, TRIAL
 
-SHARED = slice(TRIAL, INTERCEPT + 1)  # of all friction and of its intercept alone
+SHARED = slice(TRIAL, INTERCEPT + 1)  # columns of an assembly's deviations: all friction, intercept
 
 
 @dataclass(frozen=True)
 class OneSize:
-    """The sums of n trials of one size for the k numbers of a hypothesis.
+    """Sums over the rows of n trials of one size, for the k numbers of a hypothesis.
+
+    The rows of each trial are whitened and separated into w directions, which span its random
+    columns, and the complement.
 
     Parameters
     ----------
     trials, setups : ndarray of int, shape (n,) and (J,)
-        Places among all trials, and all assemblies.
+        Indices among all trials, and among all assemblies.
     setup : ndarray of int, shape (n,)
-        Assembly of each trial, its place in `setups`.
+        Assembly of each trial, as an index into `setups`.
     precision, slope, square
-        Of what is orthogonal to the w directions of the columns that scatter, (k, k), (k,) and
-        a number.
+        Sums over the complement: products of the columns, shape (k, k), of columns and residual,
+        (k,), and the squared residual, a number.
     triangle : ndarray, shape (n, w, c)
-        The c columns that scatter, in these directions.
+        Components of the c random columns along the w directions.
     across : ndarray, shape (n, w, k)
-        The columns of the numbers in them.
+        Components of the numbers' columns along these directions.
     right : ndarray, shape (n, w)
-        The residual in them.
+        Components of the residual along these directions.
     constant, freedom : float
-        Log density that nothing moves, and rows less nuisances.
+        Constant of the log density, and number of rows minus that of nuisances.
     """
 
     trials: Whole
@@ -53,27 +56,27 @@ class OneSize:
 
 
 class Scattered:
-    """What trials of one size say of the numbers of a hypothesis.
+    """Information of the trials of one size on the numbers of a hypothesis.
 
     Parameters
     ----------
     sums : OneSize
-        Of the trials.
+        Sums over the rows of the trials.
     sd : ndarray, shape (c,)
-        Of what scatters from trial to trial.
+        Standard deviation of each random column's coefficient, between trials.
     omega : ndarray, shape (2,)
-        Of an assembly's friction and of its intercept.
+        Standard deviations of an assembly's friction and of its intercept.
     kappa : float
-        By what the variance of the events is multiplied.
+        Factor of the variance of the events.
     trial_weight, setup_weight : ndarray, shape (n,) and (J,), or float
-        By what the variance of a trial's friction, and of an assembly's, is divided.
+        Divisors of the variance of each trial's, and of each assembly's, friction.
 
     Attributes
     ----------
     precision, slope : ndarray, shape (k, k) and (k,)
-        As of an :class:`~bayesfric.inference.information.Information`.
+        As in :class:`~bayesfric.inference.information.Information`.
     constant : float
-        As of the same.
+        As in :class:`~bayesfric.inference.information.Information`.
     """
 
     def __init__(
@@ -88,12 +91,12 @@ class Scattered:
         self._setup = sums.setup
         count, width, k = sums.across.shape
         setups = sums.setups.size
-        # Of a deviation of variance 1 over a weight, by trial and by assembly.
+        # Standard deviations with the weights of Student-t deviations, by trial and by assembly.
         self._tau = sd[TRIAL] / np.sqrt(trial_weight)
         self._omega = sd_setup = omega / np.sqrt(setup_weight)[..., None]
         self._trial_weight, self._setup_weight = trial_weight, setup_weight
-        # Of the rows along what scatters, what their scatter leaves; nothing is taken off that
-        # could leave rounding alone, where trials are long and their scatter is all they show.
+        # The rows along the random columns are whitened by a Cholesky factor. Subtracting the
+        # scatter from sums would leave rounding errors if scatter dominates a long trial.
         scaled = sums.triangle * sd
         if np.ndim(trial_weight):
             scaled[:, :, TRIAL] = sums.triangle[:, :, TRIAL] * self._tau[:, None]
@@ -102,19 +105,19 @@ class Scattered:
         root = _inverses(factor)
         triangle, self._across = root @ sums.triangle, root @ sums.across
         right = (root @ sums.right[:, :, None])[:, :, 0]
-        self._precision_seen = (triangle**2).sum(axis=1) / kappa
-        self._back = back = triangle.swapaxes(1, 2) / kappa
-        self._pulled = (back @ right[:, :, None])[:, :, 0]
-        self._along = back @ triangle[:, :, SHARED]
-        # What an assembly's trials share.
+        self._own_precision = (triangle**2).sum(axis=1) / kappa
+        self._from_rows = from_rows = triangle.swapaxes(1, 2) / kappa
+        self._response = (from_rows @ right[:, :, None])[:, :, 0]
+        self._coupling = from_rows @ triangle[:, :, SHARED]
+        # Deviations of the assemblies.
         member = np.equal.outer(np.arange(setups), sums.setup).astype(np.float64)
-        summed = member @ (back[:, SHARED] @ self._across).reshape(count, 2 * k)
-        stiff = (member @ self._along[:, SHARED].reshape(count, 4)).reshape(-1, 2, 2)
-        pulled = member @ self._pulled[:, SHARED]
+        summed = member @ (from_rows[:, SHARED] @ self._across).reshape(count, 2 * k)
+        stiffness = (member @ self._coupling[:, SHARED].reshape(count, 4)).reshape(-1, 2, 2)
+        response = member @ self._response[:, SHARED]
         columns = summed.reshape(setups, 2, k)
-        self._shared = shared = SharedDeviation.of(columns, pulled, stiff, sd_setup)
-        self._share = shared.taken @ shared.columns
-        self._pull = (shared.taken @ pulled[:, :, None])[:, :, 0]
+        self._shared = shared = SharedDeviation.of(columns, response, stiffness, sd_setup)
+        self._shared_columns = shared.taken @ shared.columns
+        self._shared_response = (shared.taken @ response[:, :, None])[:, :, 0]
         square = (sums.square + (right**2).sum()) / kappa - shared.pulled
         self._scale = square - sums.freedom
         constant = sums.constant - 0.5 * sums.freedom * np.log(kappa) - 0.5 * square
@@ -122,26 +125,26 @@ class Scattered:
         self.constant = float(constant - 0.5 * shared.log_determinant)
         flat, of_setups = self._across.reshape(-1, k), shared.columns.reshape(-1, k)
         self.precision = (sums.precision + flat.T @ flat) / kappa
-        self.precision -= self._share.reshape(-1, k).T @ of_setups
-        self.slope = (sums.slope + right.ravel() @ flat) / kappa - self._pull.ravel() @ of_setups
+        self.precision -= self._shared_columns.reshape(-1, k).T @ of_setups
+        self.slope = (sums.slope + right.ravel() @ flat) / kappa
+        self.slope -= self._shared_response.ravel() @ of_setups
 
     def moments(self, mean: Array, covariance: Array) -> tuple[Array, Array, float]:
-        """Return second moments given all data, less what they are on average.
+        """Return twice the derivatives of the log evidence by the variances of the noise.
 
         Parameters
         ----------
         mean, covariance : ndarray, shape (k,) and (k, k)
-            Of the numbers, given all data.
+            Posterior mean and covariance of the numbers.
 
         Returns
         -------
         trial : ndarray, shape (c,)
-            Half of the derivative of the log evidence by the variance of a column that scatters,
-            twice.
+            Derivatives by the variance of each random column's coefficient.
         setup : ndarray, shape (2,)
-            The same of an assembly's.
+            Derivatives by the variances of an assembly's deviations.
         scale : float
-            The same of all variances together, by their logarithm.
+            Derivative by the logarithm of a common factor of all variances.
         """
         a, b, c = self._of_trials()
         square = squares_left(a, b, mean, covariance)
@@ -157,14 +160,14 @@ class Scattered:
         return trial, setup, float(scale + (self.precision * covariance).sum())
 
     def deviations(self, level: str, mean: Array, covariance: Array) -> Deviations:
-        """Return what the data say of the trials' or the assemblies' friction.
+        """Return the posterior of the deviations of trials or of assemblies.
 
         Parameters
         ----------
         level : str
             ``trial`` or ``assembly``.
         mean, covariance : ndarray, shape (k,) and (k, k)
-            Of the numbers, given all data.
+            Posterior mean and covariance of the numbers.
         """
         if level == "trial":
             a, b, c = (part[:, TRIAL, None] for part in self._of_trials())
@@ -178,15 +181,19 @@ class Scattered:
         return Deviations(sd * (b - a @ mean), np.eye(sd.shape[1]) - left)
 
     def _of_trials(self) -> tuple[Array, Array, Array]:
-        """Return columns, response and precision of what scatters by trial, all else taken up."""
-        j, along = self._setup, self._along
-        a = self._back @ self._across
-        a -= along @ self._share[j]
-        b = self._pulled - (along @ self._pull[j][:, :, None])[:, :, 0]
-        return a, b, self._precision_seen - ((along @ self._shared.taken[j]) * along).sum(axis=2)
+        """Return columns, response and precision for the random coefficients of each trial.
+
+        All other scatter is integrated out.
+        """
+        j, coupling = self._setup, self._coupling
+        a = self._from_rows @ self._across
+        a -= coupling @ self._shared_columns[j]
+        b = self._response - (coupling @ self._shared_response[j][:, :, None])[:, :, 0]
+        shared_precision = ((coupling @ self._shared.taken[j]) * coupling).sum(axis=2)
+        return a, b, self._own_precision - shared_precision
 
     def _of_setups(self) -> tuple[Array, Array, Array]:
-        """Return the same of assemblies, their precision (J, 2, 2)."""
+        """Return columns, response and precision, (J, 2, 2), for the deviations of assemblies."""
         shared = self._shared
         return (
             shared.left(shared.columns),
@@ -196,8 +203,8 @@ class Scattered:
 
 
 def _inverses(lower: Array) -> Array:
-    """Return the inverses of lower triangles, (n, w, w)."""
+    """Return the inverses of lower triangular matrices, (n, w, w)."""
     inverses = np.empty_like(lower)
     for factor, inverse in zip(lower, inverses, strict=True):
-        inverse[:] = dtrtri(factor.T)[0].T  # LAPACK's order of a C array is its transpose
+        inverse[:] = dtrtri(factor.T)[0].T  # LAPACK reads a C array as its transpose
     return inverses

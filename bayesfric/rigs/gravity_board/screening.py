@@ -1,10 +1,10 @@
-"""Which trials of the gravity board enter a fit, by stated rules.
+"""Selection of the gravity board's trials for a fit, by stated rules.
 
-Events are repaired first (:mod:`bayesfric.rigs.gravity_board.event_repair`). Then the
-rules of :data:`RULES` apply in their order, and a trial is left out by the first rule that it
-breaks. A trial with an acceleration and no events breaks none of them. A trial that did not
-move enters as a bound, and a trial that stops enters with its events up to the stop: a rule
-that leaves out trials with high friction would bias friction.
+Events are repaired first (:mod:`bayesfric.rigs.gravity_board.event_repair`). Then the rules of
+:data:`RULES` are applied in their order, and a trial is excluded by the first rule that it breaks.
+A trial with an acceleration and no events breaks none of them. Excluding trials with high friction
+would bias friction. Therefore a trial that did not move is used as a bound, and a trial that stops
+is used with its events up to the stop.
 """
 
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ RULES = {
         f"{1 - TAIL:.2%} of trials, and their frictions by more than {MATERIAL_SHARE:.0%}"
     ),
 }
-"""Why a trial leaves the fit, rule to sentence."""
+"""Rules by which a trial is excluded from a fit, as sentences by name."""
 
 SELECTS_ON = {
     "unrepairable-events": "the sensors, whatever the friction was",
@@ -50,33 +50,33 @@ SELECTS_ON = {
     "size-at-rest": "friction: nothing but a lower bound is known of this size",
     "sensors-disagree": "the sensors, and a cable that slips or stretches on one side",
 }
-"""What a rule selects on, and so which way the rest may be biased."""
+"""Quantity on which each rule selects, which determines how the remaining trials are biased."""
 
 
 @dataclass(frozen=True)
 class Screened:
-    """The trials that enter, and the rest with the rule that excluded each.
+    """The trials that are used, and the excluded ones with their rules.
 
     Parameters
     ----------
     gravity : Gravity
-        Trials that enter, sorted by setup in order of appearance, and their
-        repaired events. Trials by acceleration alone are among them.
+        Trials that are used, sorted by assembly in order of appearance, and their repaired
+        events. They include trials with only an acceleration.
     excluded : dict of str to str
-        Trial id to the name of a rule.
+        Name of the rule for each excluded trial.
     repaired : DataFrame
-        One row a trial and sensor whose events were not clean: `trial`, `sensor`,
-        `missed`, `doubled`, `removed` and `used`; see
+        One row for each trial and sensor whose events were repaired or dropped: `trial`,
+        `sensor`, `missed`, `doubled`, `removed` and `used`; see
         :class:`bayesfric.rigs.gravity_board.event_repair.RepairedEvents`.
     agreement : SensorAgreement
-        Of the trials with two sensors, those excluded by it too.
+        Agreement of the sensors of trials with two sensors, including excluded trials.
     clocks : SensorClocks
-        Of the same: by how much the clocks of their sensors differ.
+        Differences of the clocks of these sensors.
     stalled : tuple of str
-        Trials that stop on their way, whether excluded or not.
+        Trials that stop before the end of the travel, whether excluded or not.
     at_rest : DataFrame
-        Trials that did not move and bound the friction of a size of which others did,
-        those of role ``test`` left out.
+        Trials that did not move and are used as bounds. They have a pulley size of which other
+        trials are used, and not the role ``test``.
     """
 
     gravity: Gravity
@@ -94,21 +94,20 @@ def screen_trials(gravity: Gravity, rig: RigConstants, *, exclude: bool = True) 
     Parameters
     ----------
     gravity : Gravity
-        As recorded; may have no events.
+        Recorded trials and events; there may be no events.
     rig : RigConstants
-        For the spacing of events.
+        Constants of the board, such as the spacing of events.
     exclude : bool
-        False keeps every trial that can be computed at all, to show what the rules
-        do: only those leave that have no events left, or whose pilot speed is not
-        above zero at each event.
+        False ignores the rule ``sensors-disagree``. The other rules always apply, because a
+        likelihood needs events, and a positive speed of the pilot fit at each event.
 
     Returns
     -------
     Screened
-        What enters, and what does not.
+        Used and excluded trials.
     """
-    resting = did_not_move(gravity.trials)
-    still, trials = gravity.trials[resting], gravity.trials[~resting]
+    at_rest = did_not_move(gravity.trials)
+    still, trials = gravity.trials[at_rest], gravity.trials[~at_rest]
     events = gravity.events
     recorded = stands_in(trials["trial"], events["trial"])
     repaired = pd.DataFrame(columns=["trial", "sensor", "missed", "doubled", "removed", "used"])
@@ -148,7 +147,7 @@ def screen_trials(gravity: Gravity, rig: RigConstants, *, exclude: bool = True) 
 def _stalled(
     events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants
 ) -> tuple[list[str], list[str]]:
-    """Return the trials that stall, and of these the ones that stop before the last event."""
+    """Return the trials that stall, and those of them that stop before their last event."""
     if trial_ids.empty:
         return [], []
     assert rig.hall_spacing_m

@@ -1,15 +1,15 @@
-"""Whether the two sensors of a trial saw the same motion.
+"""Agreement of the motions that the two sensors of a trial measured.
 
-Both sensors watch one cable, so their accelerations, each fitted by itself, differ
-by event noise alone. Over the time that both cover, the difference over its
-standard error is z; times the moving mass and over the friction it is the share
-by which the two would differ in friction.
+Both sensors measure the same cable. Their accelerations are fitted separately, over the time that
+both cover, and should differ only by noise of the events. The statistic z is the difference over
+its standard error. The difference times the moving mass, relative to friction, is the difference
+of the two estimates of friction.
 
-A trial disagrees if |z| is beyond the limit *and* the share is. Noise alone passes
-the first in a share `TAIL` of trials. The second is there since a sharp difference
-that moves a trial's friction by less than trials scatter is no reason to lose one,
-and since friction that changes on the way gives the sensors, whose events are not
-at the same places, quadratics that differ a little.
+The sensors of a trial disagree if both exceed their limits. By noise alone, |z| exceeds its limit
+in a share `TAIL` of trials. The second limit has two reasons. A significant difference that is
+smaller than the scatter of friction does not justify excluding a trial. And if friction changes
+along the travel, the quadratics of the two sensors differ slightly, because their events are not
+at the same places.
 """
 
 from dataclasses import dataclass
@@ -25,26 +25,26 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.gravity_board.event_trains import EventTrains, event_trains, quadratic_fits
 from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 
-TAIL = 1e-4  # probability of a |z| beyond the limit by noise alone
-MATERIAL_SHARE = 0.01  # of friction; the mean of both is then off by half of it
-CLIPPED = 4.0  # standard deviations: events beyond do not inform the noise
+TAIL = 1e-4  # probability of |z| above its limit by noise alone
+MATERIAL_SHARE = 0.01  # limit of the difference of frictions; their mean is wrong by half of that
+CLIPPED = 4.0  # standard deviations: events beyond are ignored in the estimate of the noise
 NORMAL_MEDIAN_SQUARE = 0.4549  # median of a squared standard normal
 NOISE_ROUNDS = 8
-LEAST_LIMIT = NormalDist().inv_cdf(1 - TAIL / 2)  # of |z|, however many events tell the noise
+LEAST_LIMIT = NormalDist().inv_cdf(1 - TAIL / 2)  # limit of |z| if the noise is known exactly
 
 
 @dataclass(frozen=True)
 class SensorAgreement:
-    """Agreement of the two sensors, trial by trial.
+    """Agreement of the two sensors of each trial.
 
     Parameters
     ----------
     trials : DataFrame
-        One row a trial with two sensors: `trial`; `z`, drive less load;
-        `friction_share`, by which their frictions differ (infinite where the
-        motion leaves no friction); `disagrees`.
+        One row for each trial with two sensors: `trial`; `z` of drive minus load sensor;
+        `friction_share`, the relative difference of their frictions (infinite if the motion
+        leaves no friction); `disagrees`.
     freedom : int or None
-        Degrees of freedom, by which the events tell the noise. None without trials.
+        Degrees of freedom of the estimated noise. None without trials.
     """
 
     trials: pd.DataFrame
@@ -52,7 +52,7 @@ class SensorAgreement:
 
     @cached_property
     def limit(self) -> float | None:
-        """Of |z|: 3.89, or more where few events tell the noise. None without trials."""
+        """Limit of |z|: 3.89, or more if few events determine the noise. None without trials."""
         return None if self.freedom is None else _limit(self.freedom)
 
 
@@ -68,13 +68,13 @@ def sensor_agreement(
     trials : DataFrame
         Trial table of a recording.
     rig : RigConstants
-        For spacing, clock and gravity.
+        Constants of the board: spacing, clock and gravity.
 
     Returns
     -------
     SensorAgreement
-        Trials in the order of `trials`; those whose sensors share less than five
-        events each have no row.
+        Trials in the order of `trials`. A trial needs five events of each sensor in their common
+        time; other trials have no row.
     """
     columns = ["trial", "z", "friction_share", "disagrees"]
     if events.empty:
@@ -120,9 +120,9 @@ def _limit(freedom: int) -> float:
 
 
 def _common_time(trains: EventTrains) -> EventTrains:
-    """Keep the events while both sensors of a trial have some, if five of each remain.
+    """Return the events in the common time of a trial's sensors, if each has five or more.
 
-    Over one span of time, friction that is not quite constant shows alike in both.
+    In a common time, friction that changes slowly has nearly the same influence on both sensors.
     """
     last = np.append(trains.starts[1:], trains.train.size) - 1
     trials = int(trains.trial.max()) + 1
@@ -139,8 +139,9 @@ def _common_time(trains: EventTrains) -> EventTrains:
 def noise_variance(residual: Array, leverage: Array, speed2: Array, tick2: float) -> Array:
     """Return each event's variance, σx² + σt² v², from residuals of all trains.
 
-    By moments: squared residuals against squared speed, weighted by the fit itself,
-    neither variance below zero, the clock's not below that of rounding it.
+    The estimate is a weighted regression of squared residuals on squared speed, with weights from
+    the previous iteration. σx² is at least 0, and σt² is at least the variance `tick2` by rounding
+    of the clock.
     """
     square = residual**2 / np.maximum(1 - leverage, 1e-6)
     variance = np.full(square.size, np.median(square) / NORMAL_MEDIAN_SQUARE) + tick2 * speed2

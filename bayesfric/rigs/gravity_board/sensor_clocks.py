@@ -6,9 +6,9 @@ the load sensor's clock. If a sensor reads all travel too long, for example with
 speed and acceleration are too large by the same factor, and the time of the start is unchanged.
 
 The cable itself explains only a small difference: a stretch takes half a millisecond from one mass
-to the other. Within a few times this value the offset is a nuisance parameter of each trial, which
-likelihood and diagnosis integrate out. With a larger offset a clock is wrong, and c1 would be
-too: at 50 ms by 6 %.
+to the other. An offset of a few times this value is a nuisance parameter of each trial, which
+likelihood and diagnosis integrate out. A larger offset means that a clock is wrong. It would bias
+c1: an offset of 50 ms by 6 %.
 """
 
 from dataclasses import dataclass
@@ -25,35 +25,35 @@ from bayesfric.rigs.gravity_board.event_trains import EventTrains, event_trains,
 from bayesfric.rigs.gravity_board.late_clock import SHIFT, clock_sd_s
 from bayesfric.rigs.gravity_board.sensor_agreement import noise_variance
 
-FURTHEST = 5.0  # of these standard deviations, that no cable explains
-SURE_SD = 5.0  # standard errors by which an offset is beyond them
-SHARP = 10.0  # standard errors of an acceleration that tells when the cable was at rest
-LESS = 0.05  # of a sensor's time: by so much less of it in common, a first estimate is none
-SAME_SHARE = 0.01  # by which a sensor reads too long: beyond it, not only the clocks differ
-ROUNDS = 3  # the motion of both sensors is known once their clocks are
-DEGREE, EVENTS_A_POWER = 5, 4  # of the motion that both see; fewer events tell a parabola
-LEAST_VARIANCE = 1e-10  # of an event, where there is no noise [spacings²]
-RIDGE = 1e-13  # of the unit diagonal: where a column is absent, or nothing tells two apart
-NAMED = 2  # trials in a message
+FURTHEST = 5.0  # largest offset that a cable explains, in prior standard deviations
+SURE_SD = 5.0  # standard errors at which an excess over that, or over SAME_SHARE, is significant
+SHARP = 10.0  # least acceleration over its standard error for an estimate of the time of the start
+LARGEST_LOSS = 0.05  # share of common time by which a first estimate may reduce it
+SAME_SHARE = 0.01  # largest relative error of a sensor's travel if only the clocks differ
+ROUNDS = 3  # iterations: the common motion depends on the offset
+DEGREE, EVENTS_A_POWER = 5, 4  # of the common motion; with fewer events it is a parabola
+LEAST_VARIANCE = 1e-10  # of an event, for data without noise [spacings²]
+RIDGE = 1e-13  # added to a unit diagonal, for columns that are zero or linearly dependent
+NAMED_TRIALS = 2  # largest number of trials that a message names
 
 
 @dataclass(frozen=True)
 class SensorClocks:
-    """Offsets of the load sensor's clock from the drive sensor's.
+    """Delays of the load sensor's clock relative to the drive sensor's.
 
     Parameters
     ----------
     trials : DataFrame
-        One row a trial whose two sensors saw when the cable was at rest: `trial`; `late_s`, by
-        how much the load sensor's clock is late, and its standard error `sd_s` [s];
-        `same_motion`, false where the sensors differ by more than their clocks.
+        One row for each trial whose offset was estimated: `trial`; `late_s`, the delay of the
+        load sensor's clock, and its standard error `sd_s` [s]; `same_motion`, false if the
+        sensors differ by more than their clocks.
     allowed_sd_s : float
-        Standard deviation of the prior of an offset [s].
+        Prior standard deviation of an offset [s].
     stated : bool
-        Whether the recording says it.
+        Whether the recording states this standard deviation.
     late_s, sd_s : float or None
-        The offset of all trials with the same motion together, which may differ from trial to
-        trial, and its standard error [s]; None without such trials.
+        Mean delay of the trials with the same motion, between which it may vary, and its standard
+        error [s]; None without such trials.
     """
 
     trials: pd.DataFrame
@@ -64,12 +64,12 @@ class SensorClocks:
 
     @property
     def furthest_s(self) -> float:
-        """The largest offset that the prior explains [s]."""
+        """The largest plausible offset, :data:`FURTHEST` prior standard deviations [s]."""
         return FURTHEST * self.allowed_sd_s
 
     @property
     def described(self) -> str | None:
-        """The offset with its error in words; None where no trial has two sensors to compare."""
+        """The offset with its error in words; None if no trial has two comparable sensors."""
         if self.trials.empty:
             return None
         alike = int(self.trials["same_motion"].sum())
@@ -78,7 +78,7 @@ class SensorClocks:
                 f"not to be compared: in all {len(self.trials)} trials the sensors differ by more"
             )
         within = f"the fit estimates each trial's offset, up to {1e3 * self.furthest_s:.3g} ms"
-        return f"{_said(self.late_s, self.sd_s)}, {alike} trials; {within}"
+        return f"{_in_words(self.late_s, self.sd_s)}, {alike} trials; {within}"
 
 
 def sensor_clocks(events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants) -> SensorClocks:
@@ -89,20 +89,20 @@ def sensor_clocks(events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants)
     events : DataFrame
         Event table, after repair; may be empty.
     trial_ids : Series of str, length N
-        The trials.
+        Identifiers of the trials.
     rig : RigConstants
-        For spacing, clock and what is stated of the offset.
+        Constants of the board: spacing, clock, and the stated prior of an offset.
 
     Returns
     -------
     SensorClocks
-        Trials in the order of `trial_ids`; those without two sensors of five events each, or
-        whose acceleration is not sharp, have no row.
+        Trials in the order of `trial_ids`. A trial needs five events of each of two sensors;
+        other trials have no row.
     """
     trains, allowed = None, (clock_sd_s(rig), rig.sensor_clock_sd_s is not None)
     if len(events):
         assert rig.hall_spacing_m and rig.timer_resolution_s
-        trains = _of_both(event_trains(events, trial_ids, rig.hall_spacing_m))
+        trains = _of_two_sensors(event_trains(events, trial_ids, rig.hall_spacing_m))
     if trains is None or not trains.starts.size:
         columns = ["trial", "late_s", "sd_s", "same_motion"]
         return SensorClocks(pd.DataFrame(columns=columns), *allowed, None, None)
@@ -118,11 +118,11 @@ def sensor_clocks(events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants)
     alike = table[table["same_motion"]]
     if alike.empty:
         return SensorClocks(table, *allowed, None, None)
-    together = _together(alike["late_s"].to_numpy(), alike["sd_s"].to_numpy())
-    return SensorClocks(table, *allowed, *together)
+    pooled = _pooled(alike["late_s"].to_numpy(), alike["sd_s"].to_numpy())
+    return SensorClocks(table, *allowed, *pooled)
 
 
-def _of_both(trains: EventTrains) -> EventTrains:
+def _of_two_sensors(trains: EventTrains) -> EventTrains:
     """Return the trains of trials whose two sensors have enough events."""
     enough = trains.sizes >= MINIMUM_EVENTS
     if not enough.any():
@@ -132,34 +132,34 @@ def _of_both(trains: EventTrains) -> EventTrains:
 
 
 def _offsets(trains: EventTrains, tick_s: float) -> tuple[Whole, Array, Array, Flags]:
-    """Return place, offset, standard error and sameness of motion of each trial.
+    """Return index, offset, its standard error and sameness of motion for each trial.
 
-    When both sensors were at rest is a first estimate, unless by it they saw the mass at other
-    times than by their clocks as they are: the rest time of a trial that soon moves evenly is an
-    extrapolation by far. Then both are fitted by one smooth motion each: an offset of the load
-    sensor, a share by which it reads all travel too long, and the speed times how late it is are
-    what the two sensors may differ by.
+    The first estimate is the difference of the two times of the start. It is rejected if it reduces
+    the common time of the sensors, because the time of the start of a trial that soon moves evenly
+    is a long extrapolation. Then the events of both sensors are fitted by one smooth motion, with
+    three differences between the sensors: an offset of the travel, a relative error of the travel,
+    and the delay times the speed.
     """
     pilot = quadratic_fits(trains, np.ones(trains.time.size))
     variance = noise_variance(pilot.residual, pilot.leverage, pilot.speed**2, tick_s**2 / 12)
     fits = quadratic_fits(trains, 1 / np.maximum(variance, LEAST_VARIANCE))
     sharp = np.abs(fits.acceleration) > SHARP * np.sqrt(fits.acceleration_variance)
     drive, load = fits.rest_time.reshape(-1, 2).T
-    nearer = _overlap(trains, load - drive) > _overlap(trains, np.zeros_like(drive)) - LESS
+    nearer = _overlap(trains, load - drive) > _overlap(trains, np.zeros_like(drive)) - LARGEST_LOSS
     late = np.where(nearer & sharp.reshape(-1, 2).all(axis=1), load - drive, 0.0)
     events = _Padded.of(trains, np.maximum(variance, LEAST_VARIANCE))
     for _ in range(ROUNDS):
-        further, share, deviation = events.apart(late)
+        further, share, deviation = events.differences(late)
         late = late + further
-    longer, unsure = np.abs(share), deviation[1]
-    same = (longer <= SAME_SHARE) | (longer <= SURE_SD * unsure)
+    relative_error, its_sd = np.abs(share), deviation[1]
+    same = (relative_error <= SAME_SHARE) | (relative_error <= SURE_SD * its_sd)
     return trains.trial[::2], late, deviation[0], same
 
 
 def _overlap(trains: EventTrains, late_s: Array) -> Array:
-    """Return in which share of the shorter sensor's time both saw the mass, shape (n,).
+    """Return the common time of the sensors over the shorter of their times, shape (n,).
 
-    Below 0 where there is a time between.
+    It is negative if there is a gap between the two times.
     """
     first = np.concatenate([[0], np.cumsum(trains.sizes)[:-1]])
     start = np.minimum.reduceat(trains.time, first).reshape(-1, 2)
@@ -171,7 +171,7 @@ def _overlap(trains: EventTrains, late_s: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Padded:
-    """Events of n trials, a trial a row, each row filled up to the longest by zero weights."""
+    """Events of n trials, one trial in each row; shorter rows are padded with zero weights."""
 
     time: Array
     count: Array
@@ -180,26 +180,26 @@ class _Padded:
 
     @classmethod
     def of(cls, trains: EventTrains, variance: Array) -> "_Padded":
-        """Lay the events out."""
+        """Return the events of trains in rows."""
         sizes = trains.sizes.reshape(-1, 2).sum(axis=1)
         row = np.repeat(np.arange(sizes.size), sizes)
         place = row, np.arange(row.size) - np.repeat(np.cumsum(sizes) - sizes, sizes)
 
-        def laid(values: Array) -> Array:
-            whole = np.zeros((sizes.size, int(sizes.max())))
-            whole[place] = values
-            return whole
+        def padded(values: Array) -> Array:
+            rows = np.zeros((sizes.size, int(sizes.max())))
+            rows[place] = values
+            return rows
 
-        is_load = laid(trains.sensor[trains.train].astype(np.float64))
-        return cls(laid(trains.time), laid(trains.count), is_load, laid(1 / variance))
+        is_load = padded(trains.sensor[trains.train].astype(np.float64))
+        return cls(padded(trains.time), padded(trains.count), is_load, padded(1 / variance))
 
-    def apart(self, late_s: Array) -> tuple[Array, Array, Array]:
-        """Return how much later, and by which share longer, the load sensor reads; their errors.
+    def differences(self, late_s: Array) -> tuple[Array, Array, Array]:
+        """Return the load sensor's further delay, its relative error of travel, and their sd.
 
         Parameters
         ----------
         late_s : ndarray, shape (n,)
-            What is taken off its clock beforehand [s].
+            Delay that is subtracted from the load sensor's times beforehand [s].
         """
         seen = self.weight > 0
         time = self.time - self.is_load * late_s[:, None]
@@ -219,14 +219,14 @@ class _Padded:
         both = [self.is_load * rates / half, self.is_load * travel]
         fit, inverse, square = self._fit([*smooth, *both])
         freedom = np.maximum(seen.sum(axis=1) - fit.shape[1] + few * (DEGREE - 2), 1)
-        spread = square / freedom  # by a trial's own events, the few of a short one not trusted
-        spread = np.maximum(spread, np.median(spread))
+        spread = square / freedom
+        spread = np.maximum(spread, np.median(spread))  # that of a few events may be too small
         late, share = fit[:, -2], fit[:, -1]
         diagonal = np.maximum(inverse[:, [-2, -1], [-2, -1]].T, 0.0)
         return -late, share, np.sqrt(diagonal * spread)
 
     def _fit(self, columns: list[Array]) -> tuple[Array, Array, Array]:
-        """Return the fit of the events by columns, its covariance, and the sum of squares."""
+        """Return the weighted least-squares fit by columns, its covariance, and its squares."""
         design = np.stack(columns, axis=-1)
         weighted = design * self.weight[..., None]
         gram = np.matmul(weighted.swapaxes(1, 2), design)
@@ -240,10 +240,10 @@ class _Padded:
         return fit[..., 0], inverse, square
 
 
-def _together(late_s: Array, sd_s: Array) -> tuple[float, float]:
-    """Return the mean of offsets that may differ from trial to trial, and its standard error.
+def _pooled(late_s: Array, sd_s: Array) -> tuple[float, float]:
+    """Return the mean of offsets that vary between trials, and its standard error.
 
-    The variance between trials is that of DerSimonian and Laird, by moments.
+    The variance between trials is estimated by the moments of DerSimonian and Laird.
     """
     weight = sd_s**-2.0
     mean = float(weight @ late_s / weight.sum())
@@ -255,7 +255,7 @@ def _together(late_s: Array, sd_s: Array) -> tuple[float, float]:
 
 
 def clock_faults(clocks: SensorClocks) -> list[Fault]:
-    """Return the fault of clocks that differ by more than the prior explains; none elsewhere."""
+    """Return a fault if the clocks differ by more than :attr:`SensorClocks.furthest_s`."""
     if clocks.late_s is None or clocks.sd_s is None:
         return []
     alike = clocks.trials[clocks.trials["same_motion"]]
@@ -266,12 +266,12 @@ def clock_faults(clocks: SensorClocks) -> list[Fault]:
     far = alike[beyond]
     count = f"in {len(far) or len(alike)} of {len(alike)} trials"
     if pooled:
-        offsets_in_words = f"{_said(clocks.late_s, clocks.sd_s)} {count}"
+        offsets_in_words = f"{_in_words(clocks.late_s, clocks.sd_s)} {count}"
     else:
-        first = far[:NAMED]
+        first = far[:NAMED_TRIALS]
         offsets = zip(first["trial"], first["late_s"], first["sd_s"], strict=True)
-        names = [f"{trial}: {_said(late, sd)}" for trial, late, sd in offsets]
-        offsets_in_words = f"{count}: {'; '.join(names)}{'; …' if len(far) > NAMED else ''}"
+        names = [f"{trial}: {_in_words(late, sd)}" for trial, late, sd in offsets]
+        offsets_in_words = f"{count}: {'; '.join(names)}{'; …' if len(far) > NAMED_TRIALS else ''}"
     most = f"{1e3 * clocks.furthest_s:.3g} ms"
     why, state = f"no cable explains more than {most}", "state rig.sensor_clock_sd_s"
     if clocks.stated:
@@ -281,7 +281,7 @@ def clock_faults(clocks: SensorClocks) -> list[Fault]:
     return [Fault("gravity_events.csv", expected, column="time_s", value=offsets_in_words)]
 
 
-def _said(late_s: float, sd_s: float) -> str:
+def _in_words(late_s: float, sd_s: float) -> str:
     """Return an offset with its error, and which clock is late."""
     scale, unit = (1.0, "s") if abs(late_s) >= 1 else (1e3, "ms")
     digits = int(np.clip(1 - np.floor(np.log10(max(scale * sd_s, 1e-9))), 0, 9))
@@ -290,24 +290,24 @@ def _said(late_s: float, sd_s: float) -> str:
 
 
 def on_one_clock(events: pd.DataFrame, clocks: SensorClocks, rig: RigConstants) -> pd.DataFrame:
-    """Put both sensors of a trial on one clock, where the recording says how far they may be off.
+    """Put both sensors of a trial on one clock, if the recording states the prior of an offset.
 
-    The times of the load sensor are moved by the most likely offset. What is left of it is a
-    nuisance, so that this chooses no more than the point around which a trial is linear.
+    The most likely offset is subtracted from the times of the load sensor. The rest of the offset
+    is a nuisance parameter, so this only chooses the value around which a trial is linearised.
 
     Parameters
     ----------
     events : DataFrame
         Event table.
     clocks : SensorClocks
-        Of it.
+        Offsets of these events.
     rig : RigConstants
-        Where nothing is stated, the events are returned as they are.
+        Constants of the board. Without a stated prior, the events are returned unchanged.
 
     Returns
     -------
     DataFrame
-        With the column :data:`.late_clock.SHIFT`.
+        Events with the column :data:`.late_clock.SHIFT`.
     """
     if rig.sensor_clock_sd_s is None or clocks.trials.empty:
         return events

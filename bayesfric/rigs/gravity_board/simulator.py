@@ -1,10 +1,10 @@
-"""The gravity board, simulated: trials in their order, and their Hall events.
+"""Simulation of the gravity board: trials in random order, and their Hall events.
 
-A trial is released at rest or with a push; its friction is that of the law and of the
-effects on it, times 1 + η + κ n c2 / fc + ε + ζ(x), with η and κ drawn once for each
-assembly, ε once for each trial and ζ as a process along its travel. Magnets
-pass a sensor each `hall_spacing_m` of travel, with a position error each and what effects
-on readings add, and the clock adds its own error before it rounds.
+A trial is released at rest or with a push. Its friction is that of the law and of effects on
+friction, times 1 + η + κ n c2 / fc + ε + ζ(x). η and κ are drawn for each assembly, ε for each
+trial, and ζ is a process along the travel of each trial. Magnets pass a sensor after each
+`hall_spacing_m` of travel. Each has a position error, to which effects on readings are added. The
+clock has an error too, and its times are rounded.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -25,15 +25,15 @@ from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 from bayesfric.rigs.protocols import Assembly, Protocol
 from bayesfric.rigs.truth import Truth, laws_of
 
-LEAST_PATH_M = 0.001  # from release to the first event, so that the cable moves there
-LEAST_MOTION_M = 1e-6  # below it a trial did not move
-RELEASE_WINDOW_S = 0.3  # the release comes this long, at most, after the clock starts
-LEAST_EVENTS = 5  # of a trial and sensor, by the recording format
-PAST_M = 0.05  # beyond it: as far as any magnet of an event may be off its place
+LEAST_PATH_M = 0.001  # least travel before the first event, so that the cable moves there
+LEAST_MOTION_M = 1e-6  # travel below which a trial did not move
+RELEASE_WINDOW_S = 0.3  # longest time from the start of the clock to the release
+LEAST_EVENTS = 5  # of each trial and sensor, by the recording format
+PAST_M = 0.05  # simulated travel beyond TRAVEL_M, for magnets that are off their places
 
 
-def lay_trials(design: Protocol, rng: np.random.Generator) -> pd.DataFrame:
-    """Lay the assemblies, and the trials of each, in a random order."""
+def trials_in_random_order(design: Protocol, rng: np.random.Generator) -> pd.DataFrame:
+    """Return a table of trials, with assemblies and the trials of each in random order."""
     assemblies = list(design.assemblies())
     rows: list[dict[str, Any]] = []
     for place, chosen in enumerate(rng.permutation(len(assemblies)), start=1):
@@ -65,7 +65,7 @@ def draw_events(
     noise_rng: np.random.Generator,
     effects_rng: np.random.Generator,
 ) -> tuple[pd.DataFrame, Flags, Flags]:
-    """Return the events, which trials gave enough of them, and which did not move."""
+    """Return the events, which trials have enough of them, and which did not move."""
     assert rig.hall_spacing_m and rig.magnets_per_revolution and rig.timer_resolution_s
     spacing, tick = rig.hall_spacing_m, rig.timer_resolution_s
     setup_index = pd.factorize(trials["setup"])[0]
@@ -82,7 +82,7 @@ def draw_events(
     wander = _draw_wander(truth, len(trials), scatter_rng)
     push = truth.push * np.abs(scatter_rng.standard_normal(len(trials)))
 
-    # Column by column: trial × sensor × event, made rectangular and then masked.
+    # Arrays of trial × sensor × event; events that did not happen are masked below.
     shape = (len(trials), len(SENSORS))
     rotation = spacing * sensor_rng.uniform(0, rig.magnets_per_revolution, shape)
     first = LEAST_PATH_M + rotation % spacing  # the first magnet is rotation // spacing
@@ -116,7 +116,7 @@ def draw_events(
 def _draw_wander(
     truth: Truth, count: int, rng: np.random.Generator
 ) -> Callable[[Array], Array] | None:
-    """Return ζ of each trial at its travel, shape (N,); None where friction does not wander."""
+    """Return ζ as a function of the travel of each trial, shape (N,); None without wander."""
     if not truth.wander:
         return None
     variance = cosine_variances(truth.wander_length / TRAVEL_M, MODES)

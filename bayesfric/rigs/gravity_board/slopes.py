@@ -1,8 +1,8 @@
-"""The paper's own slopes in tension, pulleys and wrap angle, and what the fit makes of them.
+"""The paper's slopes in tension, number of pulleys and wrap angle, measured and predicted.
 
-Measured slopes are those of :mod:`.estimator`. Beside each stands what the same
-steps would give if the recording were made again: new scatter on new assemblies, the
-trials of an assembly shifted together.
+Measured slopes are those of :mod:`.estimator`. The prediction of each is the result of the same
+steps on replicates of the recording from the posterior predictive. A replicate has new assemblies,
+and the trials of an assembly shift together.
 """
 
 from collections.abc import Sequence
@@ -28,12 +28,12 @@ from bayesfric.rigs.gravity_board.estimator import (
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
 
 GRID = 13
-LEVELS = 3  # tensions at which friction is shown against the wrap angle
+LEVELS = 3  # number of tensions at which friction is shown against the wrap angle
 
 
 @dataclass(frozen=True)
 class _Cell:
-    """A line of friction against tension, measured and as it might come out again."""
+    """A line of friction against tension, as measured and in W replicates of the recording."""
 
     size: str
     line: CellLine
@@ -42,12 +42,12 @@ class _Cell:
     intercept_again: Array  # (W,)
 
     def friction(self, tension: float) -> float:
-        """Return the measured line's friction at a tension."""
+        """Return the friction of the measured line at a tension [N]."""
         assert self.line.slope.value is not None and self.line.intercept_n is not None
         return self.line.slope.value * tension + self.line.intercept_n
 
     def friction_again(self, tension: float) -> Array:
-        """Return the same of the lines that might come out again."""
+        """Return the friction of the replicates' lines at a tension, shape (W,) [N]."""
         return self.slope_again * tension + self.intercept_again
 
 
@@ -59,33 +59,33 @@ def paper_slopes(
     baseline: FrictionLaw,
     rng: np.random.Generator,
 ) -> dict[str, xr.Dataset]:
-    """Return the slopes behind the paper's Figs 12 to 16.
+    """Return the slopes of the paper's Figs 12 to 16.
 
     Parameters
     ----------
     likelihood : ExactLikelihood
-        Of the fit.
+        Likelihood of the fit.
     model : GravityModel
-        Of the fit.
+        Model of the fit.
     estimate : PaperEstimate
-        Of the trials that entered.
+        The paper's estimate from the trials of the fit.
     named : dict of str to ndarray, shape (W,)
-        Posterior draws by parameter.
+        Posterior draws of each parameter.
     baseline : FrictionLaw
-        The friction law of the fit.
+        Friction law of the fit.
     rng : Generator
-        For recordings made again.
+        Source of randomness for replicates of the recording.
 
     Returns
     -------
     dict of str to Dataset
-        ``tension_lines``: slope and intercept of friction against tension at each
-        (size, n, θ), and the law's against n at 85°. ``wrap_lines``, where a number of
-        pulleys was measured at two angles: friction against the wrap angle at
-        three tensions, its slope, and the law's slope against n and against tension.
-        Either is empty where the recording does not allow it.
+        ``tension_lines``: slope and intercept of friction against tension for each (size, n, θ),
+        and those of the law at 85° against n. ``wrap_lines``: friction against the wrap angle at
+        three tensions for each (size, n) with two or more angles, its slope, and the slope of
+        the law against n and against tension. A dataset is empty if the recording does not
+        have the necessary conditions.
     """
-    # nan where a trial has no friction; it is in no line then
+    # NaN for trials without an estimate of friction, which are in no line
     measured = np.array([trial.tension_n for trial in estimate.trials], dtype=np.float64)
     deviation = likelihood.draw_scatter(named, rng, together=True)
     friction = likelihood.draw_observed(named, deviation, rng)
@@ -138,7 +138,7 @@ def _lines(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _draws(named: dict[str, Array], size: str) -> Coefficients:
-    """Return the draws of a size as a column, for a curve along the last axis."""
+    """Return the draws of a size's coefficients, shape (W, 1), for a curve along the last axis."""
     return Coefficients(*(named[f"{c}[{size}]"][:, None] for c in Coefficients._fields))
 
 
@@ -152,7 +152,7 @@ def _tension_lines(
     sizes = _sizes(cells)
     count = np.linspace(0.0, max(cell.line.n_pulleys for cell in cells), GRID)
     wrap = REFERENCE_WRAP_ANGLE_DEG
-    # Both laws are straight in tension, so two tensions tell slope and intercept.
+    # Both laws are linear in tension, so two tensions determine slope and intercept.
     at_none = np.stack([baseline.at_tension(_draws(named, s), count, wrap, 0.0) for s in sizes], 1)
     at_one = np.stack([baseline.at_tension(_draws(named, s), count, wrap, 1.0) for s in sizes], 1)
     paper = np.array(
@@ -195,7 +195,7 @@ def _tension_lines(
 def _wrap_lines(
     cells: Sequence[_Cell], named: dict[str, Array], baseline: FrictionLaw
 ) -> xr.Dataset:
-    """Return friction against the wrap angle where two angles or more were measured."""
+    """Return friction against the wrap angle for each (size, n) with two or more angles."""
     groups: dict[tuple[str, int], list[_Cell]] = {}
     for cell in cells:
         groups.setdefault((cell.size, cell.line.n_pulleys), []).append(cell)
@@ -204,7 +204,7 @@ def _wrap_lines(
     low, high = max((t[0] for t in inside), default=0.0), min((t[1] for t in inside), default=0.0)
     if high <= LEAST_TENSION_RATIO * low:
         return xr.Dataset()
-    # Within the tensions of every line: read off, never extended.
+    # Tensions within the range of every line, so that no line is extrapolated.
     levels = np.linspace(low, high, LEVELS)
     lines = [(size, n, level) for size, n in groups for level in levels]
     width = max(len(group) for group in groups.values())
@@ -258,15 +258,15 @@ def _law_slopes(
     Parameters
     ----------
     groups : sequence of (str, int)
-        Pulley sizes and numbers of pulleys that were measured.
+        Measured pulley sizes and numbers of pulleys.
     levels : ndarray
-        Tensions of the lines against n [N].
+        Tensions of the curves against n [N].
     high : float
-        Largest tension of the lines against tension [N].
+        Largest tension of the curves against tension [N].
     ends : (float, float)
-        Wrap angles [deg].
+        The two wrap angles [deg].
     named : dict of str to ndarray, shape (W,)
-        Draws by parameter.
+        Posterior draws of each parameter.
     baseline : FrictionLaw
         The friction law.
     """

@@ -1,6 +1,7 @@
-"""Trials far from the others of their assembly: the cable caught once, or the trial nearly stalled.
+"""Stray trials: their friction is far from that of other trials of their assembly.
 
-Such a trial is not an effect. If it were kept, it would increase the scatter of all trials.
+In such a trial the cable may have caught once, or the trial nearly stalled. This is not an effect.
+If the trial were kept, it would increase the estimated scatter of all trials.
 """
 
 from typing import Any
@@ -10,22 +11,24 @@ from numpy.typing import NDArray
 
 from bayesfric.arrays import Array, Flags
 
-FEWEST, FAR = 3, 10.0  # trials of an assembly that has a middle; times the usual distance
+FEWEST = 3  # least number of trials of an assembly for a median
+FAR = 10.0  # distance of a stray trial, relative to the usual distance
 MAD = 1.4826  # standard deviation of a normal over its median absolute deviation
 
 
 def far_from_their_own(deviation: Array, setup: NDArray[Any]) -> Flags:
-    """Return which trials are far from their assembly.
+    """Return which trials are far from the others of their assembly.
 
-    Distances are relative deviations from the law less the assembly's median; the usual one is
-    their median over all trials, which an effect widens and one trial does not.
+    The distance of a trial is that of its relative deviation from the median of its assembly. The
+    usual distance is the median of all distances, converted to a standard deviation. An effect
+    increases it, and a single trial does not.
 
     Parameters
     ----------
     deviation : ndarray, shape (N,)
-        Of each trial's friction from the law, as a share of it.
+        Friction of each trial minus that of the law, relative to the latter.
     setup : ndarray, shape (N,)
-        Names of assemblies.
+        Name of each trial's assembly.
     """
     distance = np.zeros_like(deviation)
     for name in dict.fromkeys(setup):

@@ -1,4 +1,4 @@
-"""What an effect changes of the trials, relative to their friction."""
+"""The change of the gravity board's trials by an effect, relative to their friction."""
 
 import numpy as np
 
@@ -7,19 +7,19 @@ from bayesfric.effects import Reading, State
 from bayesfric.physics.gravity import TRAVEL_M, nominal_tension, trajectory
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.changes import Change, around_rows, at_times, law_column
-from bayesfric.rigs.gravity_board.simulator import lay_trials
+from bayesfric.rigs.gravity_board.simulator import trials_in_random_order
 from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
 
-TIMES = 33  # of a trial, at which friction is compared
-READING_TIMES = 513  # the same for readings, which may go to and fro
-DERIVATIVE_SHARE = 1e-4  # of a trial's duration, the step of a second derivative
+TIMES = 33  # number of times in a trial
+READING_TIMES = 513  # number of times for errors of readings, which may oscillate
+DERIVATIVE_SHARE = 1e-4  # time step of a second derivative, relative to the trial's duration
 
 
 def change_of_trials(design: Protocol, constants: RigConstants, truth: Truth) -> Change:
-    """Return how an effect changes the friction of each trial, at equal steps of time."""
-    trials = lay_trials(design, np.random.default_rng(0))
+    """Return a function that computes the relative change of each trial's friction over time."""
+    trials = trials_in_random_order(design, np.random.default_rng(0))
     condition = trial_condition(trials, constants)
     law = laws_of(truth, trials["pulley_size"])
     motion = trajectory(law, condition)
@@ -41,18 +41,19 @@ def change_of_trials(design: Protocol, constants: RigConstants, truth: Truth) ->
 
 
 def change_of_readings(design: Protocol, constants: RigConstants, truth: Truth) -> Change:
-    """Return the equivalent of errors of readings along the motion of the law.
+    """Return a function that computes the change of friction equivalent to errors of readings.
 
-    It is (m1 + m2) times the second derivative of the mean of both sensors' errors.
+    The equivalent force is (m1 + m2) times the second derivative of the mean error of both sensors,
+    along the motion of the law. The result is relative to friction.
     """
-    trials = lay_trials(design, np.random.default_rng(0))
+    trials = trials_in_random_order(design, np.random.default_rng(0))
     condition = trial_condition(trials, constants)
     motion = trajectory(laws_of(truth, trials["pulley_size"]), condition)
     whole = motion.time_at(np.full(len(trials), TRAVEL_M))
     assert constants.hall_spacing_m and constants.magnets_per_revolution
     spacing, magnets = constants.hall_spacing_m, constants.magnets_per_revolution
     moves = np.isfinite(whole)
-    # Trial × sensor × time, those that stall left out.
+    # Arrays of trial × sensor × time, without trials that stall.
     acceleration = motion.acceleration[moves][:, None, None]
     drive, load = (np.asarray(m)[moves][:, None, None] for m in condition[2:4])
     duration = whole[moves][:, None, None]
@@ -80,7 +81,7 @@ def change_of_readings(design: Protocol, constants: RigConstants, truth: Truth) 
         step = DERIVATIVE_SHARE * duration
         before, now, after = (applied(reading(times + k * step)) for k in (-1, 0, 1))
         bend = (after - 2 * now + before) / step**2
-        # Phases differ between sensors: their squares add up, not their values.
+        # Phases of the two sensors are independent, so squares are added.
         mean = np.sqrt((bend**2).sum(axis=-2)) / 2 if applied.effect.components else bend.mean(-2)
         return np.asarray((drive + load)[:, 0] * mean / friction)
 

@@ -1,4 +1,4 @@
-"""What a cable that stretches changes of the friction that a trial shows."""
+"""The influence of an elastic cable on the estimated friction of a trial."""
 
 from dataclasses import replace
 
@@ -18,27 +18,28 @@ def friction_ratios(
     sigma_x: float,
     sigma_t: float,
 ) -> Array:
-    """Return fc of model (3) over fc of model (4) for each cable and trial.
+    """Return the ratio of fc by model (3) to fc by model (4) for each cable and trial.
 
-    In model (3) the masses ring against each other: the drive side by m2/(m1 + m2) of
-    the stretch, the load side by −m1/(m1 + m2). Phase and amplitude of the ringing are
-    free, with a normal prior as wide as the static stretch; what they change of the
-    least-squares acceleration is what stretch changes of friction.
+    In model (3) the masses oscillate against each other. The drive side moves by m2/(m1 + m2) of
+    the stretch, the load side by −m1/(m1 + m2). Amplitude and phase of the oscillation are unknown,
+    with a normal prior whose standard deviation is the static stretch. They change the
+    least-squares acceleration, and so the friction.
 
     Parameters
     ----------
     gravity : Gravity
         Trials, all of which have events.
     rig : RigConstants
-        The board.
+        Constants of the board.
     cable : Cable
-        Arrays of shape (C,).
+        C cables, arrays of shape (C,).
     sigma_x, sigma_t : float
-        Noise of an event [m] and [s].
+        Noise of an event in position [m] and time [s].
 
     Returns
     -------
     ndarray, shape (C, N)
+        Ratios.
     """
     events = prepare_events(gravity.events, gravity.trials["trial"])
     condition = trial_condition(gravity.trials, rig)
@@ -69,7 +70,10 @@ def friction_ratios(
 def _least_squares(
     events: Events, weight: Array, stretch: Array | None = None
 ) -> tuple[Array, Array]:
-    """Return the coefficients of each trial and the speed at each event."""
+    """Return the least-squares coefficients of each trial, and the speed at each event.
+
+    `stretch` is the prior standard deviation of the two coefficients of the oscillation [m].
+    """
     whole = events.normal_equations(weight[None], events.displacement)[0]
     matrix, right = whole[:, :-1, :-1], whole[:, :-1, -1:]
     if stretch is not None:

@@ -1,7 +1,7 @@
-"""The events of trials as flat arrays, and the motion that least squares see in them.
+"""The events of trials as flat arrays, and their motion by least squares (the pilot fit).
 
-A trial's motion is x(t) = v0 τ + a τ²/2 since its first event, with an offset of each
-sensor: linear in all four.
+A trial's motion since its first event is x(t) = v0 τ + a τ²/2. Displacements have an offset for
+each sensor. They are linear in these four coefficients.
 """
 
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ NUISANCES = 3  # offsets of the two sensors and first speed
 
 
 def trial_condition(trials: pd.DataFrame, rig: RigConstants) -> Condition:
-    """Return the condition of each trial, arrays of shape (N,)."""
+    """Return the conditions of N trials, arrays of shape (N,)."""
     return Condition(
         trials["n_pulleys"].to_numpy(dtype=np.float64),
         trials["wrap_angle_deg"].to_numpy(dtype=np.float64),
@@ -30,7 +30,7 @@ def trial_condition(trials: pd.DataFrame, rig: RigConstants) -> Condition:
 
 @dataclass(frozen=True)
 class PilotFit:
-    """Least-squares motion of each trial, with its sensors' offsets.
+    """Least-squares motion of N trials.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class PilotFit:
     least_speed : ndarray, shape (N,)
         Least speed at any event [m/s].
     rms_residual : float
-        Of all the events [m].
+        Rms residual of all events [m].
     """
 
     first_speed: Array
@@ -58,17 +58,18 @@ class Events:
     Parameters
     ----------
     starts : ndarray of int, shape (N,)
-        Place of each trial's first row.
+        Index of each trial's first event.
     trial : ndarray of int, shape (E,)
-        Trial of each event.
+        Index of each event's trial.
     tau : ndarray, shape (E,)
         Time since the trial's first event [s].
     displacement : ndarray, shape (E,)
         Travel since the sensor's first event [m].
     regressors : ndarray, shape (R, E)
-        −[drive], −[load], τ, τ²/2, and u_k of each effect.
-    present : ndarray of bool, shape (R, N)
-        Whether a trial has the regressor at all.
+        −1 for events of the drive sensor, −1 for those of the load sensor, τ, and τ²/2; further
+        regressors may follow or be inserted.
+    present : ndarray of bool, shape (4, N)
+        Whether each of the first four regressors is not 0 for a trial.
     """
 
     starts: Whole
@@ -79,7 +80,7 @@ class Events:
     present: Flags
 
     def part(self, trials: slice, rows: slice) -> "Events":
-        """Return those of some trials, which are in these rows."""
+        """Return the events of some adjacent trials, which are in these rows."""
         return Events(
             self.starts[trials] - rows.start,
             self.trial[rows] - trials.start,
@@ -90,44 +91,44 @@ class Events:
         )
 
     def rows_of_trials(self) -> Iterator[slice]:
-        """Yield the rows of each trial."""
+        """Yield the slice of each trial's rows."""
         ends = np.append(self.starts[1:], self.tau.size)
         yield from map(slice, self.starts, ends)
 
     def nuisances(self, rows: slice) -> Array:
-        """Return what offsets and first speed do to a trial's rows; those that it has."""
+        """Return the regressors of offsets and first speed for a trial's rows, if not 0."""
         columns = self.regressors[:NUISANCES, rows]
         return np.asarray(columns[(columns != 0).any(axis=1)])
 
     @property
     def of_sensors(self) -> Flags:
-        """Which rows are of which of both sensors, shape (2, E)."""
+        """Whether each row is of the drive sensor, and of the load sensor, shape (2, E)."""
         return np.asarray(self.regressors[:2] != 0)
 
     def total(self, values: Array) -> Array:
-        """Sum events over each trial (last axis)."""
+        """Return the sums of values (last axis) over the events of each trial."""
         return np.add.reduceat(values, self.starts, axis=-1)
 
     def normal_equations(self, weights: Array, response: Array) -> Array:
-        """Return sums over each trial of the products of regressors and response, weighted.
+        """Return weighted sums of products of the regressors and a response, over each trial.
 
         Parameters
         ----------
         weights : ndarray, shape (V, E)
-            V weights of each event.
+            V sets of weights of the events.
         response : ndarray, shape (E,)
-            Comes last, after the R regressors.
+            Response, the last column after the R regressors.
 
         Returns
         -------
         ndarray, shape (V, N, R + 1, R + 1)
-            Symmetric; absent nuisances are unit.
+            Symmetric matrices. The diagonal is 1 for a nuisance that a trial does not have.
         """
         columns = np.vstack([self.regressors, response])
         row, column = np.triu_indices(len(columns))
         whole = np.empty((len(weights), self.starts.size, len(columns), len(columns)))
         for trial, rows in enumerate(self.rows_of_trials()):
-            block = columns[:, rows]  # fits a cache, as all events at once do not
+            block = columns[:, rows]  # fits into the cache, unlike all events together
             sums = weights[:, rows] @ (block[row] * block[column]).T
             whole[:, trial, row, column] = whole[:, trial, column, row] = sums
         for place in range(NUISANCES):
@@ -136,19 +137,19 @@ class Events:
 
 
 def prepare_events(events: pd.DataFrame, trial_ids: pd.Series) -> Events:
-    """Sort events by trial.
+    """Return the events of some trials, sorted by trial.
 
     Parameters
     ----------
     events : DataFrame
         Event table of a recording; each of `trial_ids` has events.
     trial_ids : Series of str, length N
-        The trials, in the order of the result.
+        Identifiers of the trials, in the order of the result.
 
     Returns
     -------
     Events
-        With the regressors of a motion at constant acceleration.
+        Events with the regressors of a motion at constant acceleration.
     """
     place = pd.Index(trial_ids).get_indexer(events["trial"])
     order = np.argsort(place, kind="stable")[np.count_nonzero(place < 0) :]
@@ -171,18 +172,18 @@ def pilot_fits(events: pd.DataFrame, trial_ids: pd.Series) -> PilotFit:
     events : DataFrame
         Event table of a recording; each of `trial_ids` has events.
     trial_ids : Series of str, length N
-        The trials, in the order of the result.
+        Identifiers of the trials, in the order of the result.
 
     Returns
     -------
     PilotFit
-        In the order of `trial_ids`.
+        Motions in the order of `trial_ids`.
     """
     return pilot_of(prepare_events(events, trial_ids))
 
 
 def pilot_of(table: Events) -> PilotFit:
-    """Do as :func:`pilot_fits`, of trials whose events are sorted already."""
+    """Fit each trial's motion as :func:`pilot_fits` does, from sorted events."""
     fit = pilot_coefficients(table)
     speed = fit[table.trial, 2] + fit[table.trial, 3] * table.tau
     residual = (table.regressors * fit[table.trial].T).sum(axis=0) - table.displacement

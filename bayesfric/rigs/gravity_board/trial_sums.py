@@ -1,9 +1,9 @@
-"""Rows of trials, parted by what scatters and summed up.
+"""Sums over the rows of trials, separated along their random columns and orthogonal to them.
 
-A trial's scatter may be most of what its events show: at the edge of standing still one per
-cent of friction moves them by metres. Were it taken off the sums of all rows, rounding would be
-what is left, so rows are parted first: along the columns that scatter, trial by trial, and
-orthogonal to them, summed.
+Scatter may dominate the rows of a trial. In a trial that nearly stalls, one per cent of friction
+moves events by metres. If scatter were subtracted from sums over all rows, rounding errors would
+remain. Rows are therefore separated first. The part along the random columns is stored for each
+trial, and the orthogonal part is summed.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,21 +18,21 @@ from bayesfric.rigs.gravity_board.linear_scatter import ALWAYS
 from bayesfric.rigs.gravity_board.rows import GravityRows
 
 ColumnsOf = Callable[[GravityRows], Array]
-"""Of some trials, to columns of their rows, (e, k)."""
+"""Function of the rows of some trials that returns columns, (e, k)."""
 
 
 @dataclass(frozen=True)
-class Beyond:
-    """What of the rows is orthogonal to the first columns that scatter, summed up.
+class OrthogonalSums:
+    """Sums over the part of the rows that is orthogonal to some of the random columns.
 
     Parameters
     ----------
     precision : ndarray, shape (blocks, q, q)
-        Of the local numbers.
+        Sums of products of the local numbers' columns, for each block of trials.
     slope : ndarray, shape (N, q)
-        Of them, trial by trial.
+        Sums of products of these columns and the residual, for each trial.
     square : ndarray, shape (N,)
-        Of the residual.
+        Sum of the squared residual of each trial.
     """
 
     precision: Array
@@ -40,73 +40,76 @@ class Beyond:
     square: Array
 
     def add_residual(self, trial: int, rows: Array) -> None:
-        """Add the products with the residual of a trial's rows, their last column."""
+        """Add products with the residual, which is the last column of a trial's rows."""
         self.slope[trial] += rows[:, -1] @ rows[:, :-1]
         self.square[trial] += rows[:, -1] @ rows[:, -1]
 
 
 @dataclass(frozen=True)
 class TrialSums:
-    """The rows of N trials for q local numbers, whitened and off their nuisances.
+    """Sums over the rows of N trials for q local numbers, whitened and orthogonal to nuisances.
 
     Parameters
     ----------
     block : ndarray of int, shape (N,)
-        Which trials are summed together.
+        Block of each trial; the trials of a block are summed together.
     triangle : ndarray, shape (N, r, r)
-        The r columns that scatter, in an orthonormal basis of theirs.
+        The r random columns in an orthonormal basis of their span.
     across : tuple of ndarray, shapes (N, r, own), (N, r, candidates) and (N, r, always)
-        The columns of the numbers along that basis, as a layout has them.
+        Components of the numbers' columns along this basis, in the three parts of a layout.
     right : ndarray, shape (N, r)
-        The residual along it.
-    beyond : mapping of int to Beyond
-        The rest, by how many of the columns that scatter it is orthogonal to.
+        Components of the residual along this basis.
+    orthogonal_sums : mapping of int to OrthogonalSums
+        Sums over the orthogonal part of the rows. The key is the number of random columns, from
+        the first, to which it is orthogonal.
     freedom : ndarray, shape (N,)
-        Rows less nuisances.
+        Number of rows minus that of nuisances.
     constant : ndarray, shape (N,)
-        Log density that nothing moves.
+        Constant of the log density.
     """
 
     block: Whole
     triangle: Array
     across: tuple[Array, ...]
     right: Array
-    beyond: Mapping[int, Beyond]
+    orthogonal_sums: Mapping[int, OrthogonalSums]
     freedom: Array
     constant: Array
 
     def squeezed(self, squeeze: Array, before: Layout, after: Layout) -> "TrialSums":
-        """Return the sums of mixtures of the numbers, shape (q, k), candidates among them alone.
+        """Return the sums for k combinations of the numbers; `squeeze` has shape (q, k).
 
-        What is known of these is most of the sums, and is not copied.
+        Candidates stay as they are. Their sums, which are most of the memory, are not copied.
         """
         own = squeeze[: before.own, : after.own]
         always = squeeze[before.local - before.always :, after.local - after.always :]
         of_own, of_candidates, of_always = self.across
-        beyond = {
-            width: Beyond(squeeze.T @ sums.precision @ squeeze, sums.slope @ squeeze, sums.square)
-            for width, sums in self.beyond.items()
+        orthogonal_sums = {
+            width: OrthogonalSums(
+                squeeze.T @ sums.precision @ squeeze, sums.slope @ squeeze, sums.square
+            )
+            for width, sums in self.orthogonal_sums.items()
         }
         across = (of_own @ own, of_candidates, of_always @ always)
-        return replace(self, across=across, beyond=beyond)
+        return replace(self, across=across, orthogonal_sums=orthogonal_sums)
 
 
 def trial_sums(
     board: GravityRows, layout: Layout, columns_of: ColumnsOf, random_of: ColumnsOf, block: Whole
 ) -> TrialSums:
-    """Sum the rows of trials up.
+    """Return the sums over the rows of trials.
 
     Parameters
     ----------
     board : GravityRows
         Events of N trials.
     layout : Layout
-        Of the local numbers.
+        Order of the local numbers.
     columns_of, random_of : callable
-        Of some of the trials, to the columns of q local numbers and of r that scatter, (e, q)
-        and (e, r) [m].
+        Functions of the rows of some trials that return the columns of q local numbers, (e, q),
+        and r random columns, (e, r) [m].
     block : ndarray of int, shape (N,)
-        Which trials are summed together.
+        Block of each trial; the trials of a block are summed together.
     """
     sums: TrialSums | None = None
     for trials, part in board.parts():
@@ -120,8 +123,8 @@ def trial_sums(
 
 def _zero(block: Whole, layout: Layout, r: int) -> TrialSums:
     count, blocks, q = len(block), int(block.max()) + 1, layout.local
-    beyond = {
-        width: Beyond(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count))
+    orthogonal_sums = {
+        width: OrthogonalSums(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count))
         for width in {ALWAYS, r}
     }
     widths = (layout.own, layout.candidates, layout.always)
@@ -130,14 +133,14 @@ def _zero(block: Whole, layout: Layout, r: int) -> TrialSums:
         np.zeros((count, r, r)),
         tuple(np.zeros((count, r, width)) for width in widths),
         np.zeros((count, r)),
-        beyond,
+        orthogonal_sums,
         np.zeros(count),
         np.zeros(count),
     )
 
 
 def _add(sums: TrialSums, trials: slice, board: GravityRows, columns: Array, random: Array) -> None:
-    """Add the rows of some trials."""
+    """Add the rows of some trials to the sums."""
     q, start = columns.shape[1], sums.across[0].shape[-1]
     end = start + sums.across[1].shape[-1]
     white = 1 / np.sqrt(board.variance)
@@ -156,42 +159,42 @@ def _add(sums: TrialSums, trials: slice, board: GravityRows, columns: Array, ran
         sums.right[trial, :height] = along[:, q]
         sums.freedom[trial] = rows.stop - rows.start - nuisances.shape[1]
         sums.constant[trial] = np.log(white[rows]).sum() - 0.5 * sums.freedom[trial] * LOG_2PI
-        for beyond in sums.beyond.values():
-            beyond.add_residual(trial, apart[rows])
+        for orthogonal_sums in sums.orthogonal_sums.values():
+            orthogonal_sums.add_residual(trial, apart[rows])
         of_scatter.append(along[ALWAYS:])
-        sums.beyond[ALWAYS].add_residual(trial, along[ALWAYS:])
+        sums.orthogonal_sums[ALWAYS].add_residual(trial, along[ALWAYS:])
     block, values = sums.block[trials], np.concatenate(of_scatter)[:, :q]
     further = np.repeat(np.arange(len(of_scatter)), [len(rows) for rows in of_scatter])
-    # Of many rows at once: a product a trial would take longer to add up than to make.
+    # One product for many rows: adding up a product for each trial would take most of the time.
     for place in np.unique(block):
         rest = apart[block[board.events.trial] == place, :q]
         square = rest.T @ rest
-        for beyond in sums.beyond.values():
-            beyond.precision[place] += square
+        for orthogonal_sums in sums.orthogonal_sums.values():
+            orthogonal_sums.precision[place] += square
         rest = values[block[further] == place]
-        sums.beyond[ALWAYS].precision[place] += rest.T @ rest
+        sums.orthogonal_sums[ALWAYS].precision[place] += rest.T @ rest
 
 
 def orthogonal(columns: Array, values: Array, nuisances: int) -> tuple[Array, Array, Array]:
-    """Part values into what is along columns and what is orthogonal to them.
+    """Separate values into components along columns and a part orthogonal to them.
 
     Parameters
     ----------
     columns : ndarray, shape (m, n + R)
-        The n nuisances, which are projected out of all else, and R others.
+        The n nuisances, which are projected out of everything, and R other columns.
     values : ndarray, shape (m, k)
-        What is parted.
+        Values to separate.
     nuisances : int
         n.
 
     Returns
     -------
     triangle : ndarray, shape (w, R)
-        The R columns in an orthonormal basis of theirs, upper triangular.
+        The R columns in an orthonormal basis of their span, upper triangular.
     along : ndarray, shape (w, k)
-        The values in that basis.
+        Components of the values in this basis.
     apart : ndarray, shape (m, k)
-        Of the values, what is orthogonal to all columns.
+        The part of the values that is orthogonal to all columns.
     """
     basis, triangle = np.linalg.qr(columns)
     along = basis.T @ values

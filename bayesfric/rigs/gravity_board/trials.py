@@ -1,4 +1,4 @@
-"""Trials of the gravity board that enter, and what kind of rig it is."""
+"""The trials of the gravity board that are used in a fit or a diagnosis."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -40,37 +40,36 @@ from bayesfric.rigs.gravity_board.stretch import friction_ratios
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits, trial_condition
 from bayesfric.schemas.fit import Agreement, Clocks, Excluded, PointEstimate, Repaired
 
-PAIRS_OF_MASSES = 10  # of each size
-MOVING_M_S2 = 0.1  # acceleration below which a trial might stall
-
-
-DISAGREEING_SHARE = (
-    0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing
-)
+PAIRS_OF_MASSES = 10  # pairs of masses that are planned for each size
+MOVING_M_S2 = 0.1  # acceleration below which a planned trial might stall
+DISAGREEING_SHARE = 0.1  # of trials with disagreeing sensors, beyond which the rig is the cause
 
 
 @dataclass(frozen=True)
 class GravityTrials(RigTrials):
-    """Trials that enter, those of an assembly adjacent.
+    """Trials that are used; those of an assembly are adjacent.
 
     Parameters
     ----------
     rig : Rig
         The kind of rig.
     constants : RigConstants
-        The board.
+        Constants of the board.
     gravity : Gravity
         Trials and their repaired events.
     screened : Screened
-        How they were chosen.
+        Used and excluded trials, with the rules.
     source : Gravity
-        All trials and events as recorded.
+        All recorded trials and events.
     at_rest : DataFrame
-        Trials that did not move, of which the likelihood knows.
+        Trials that did not move, which the likelihood uses as bounds.
     law : FrictionLaw
-        Around which a diagnosis makes them linear.
+        Law around which a diagnosis linearises.
     event_error_m : float or None
-        Rms error of an event, of trials that nobody has made; None is what events show [m].
+        Rms error of the events of planned trials [m]; None for recorded trials, whose events
+        determine it.
+    loads : tuple of str
+        Columns that define a condition, together with size, number and wrap angle.
     """
 
     rig: Rig
@@ -85,12 +84,12 @@ class GravityTrials(RigTrials):
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """One row a trial."""
+        """One row for each trial."""
         return self.gravity.trials
 
     @property
     def slowest_speed_m_s(self) -> float:
-        """The least speed at any event; infinite without events [m/s]."""
+        """Lowest speed at any event; infinite without events [m/s]."""
         events, trials = self.gravity.events, self.gravity.trials
         if events.empty:
             return float("inf")
@@ -98,14 +97,14 @@ class GravityTrials(RigTrials):
         return float(pilot_fits(events, trials["trial"][with_events]).least_speed.min())
 
     def levels(self, name: str) -> int:
-        """Return how many values a column takes; ``tension`` is the sum of both masses."""
+        """Return the number of values of a column; ``tension`` is the sum of both masses."""
         trials = self.gravity.trials
         if name == "tension":
             return int((trials["mass_drive_kg"] + trials["mass_load_kg"]).round(2).nunique())
         return int(trials[name].nunique())
 
     def select(self, keep: "pd.Series[bool]") -> "GravityTrials | None":
-        """Return the trials of a mask over the table, and those at rest of their sizes."""
+        """Return the trials that a mask selects, and those at rest of their sizes."""
         trials = self.gravity.trials[keep].reset_index(drop=True)
         events = self.gravity.events
         events = events[events["trial"].isin(trials["trial"])].reset_index(drop=True)
@@ -115,7 +114,7 @@ class GravityTrials(RigTrials):
         return replace(self, gravity=Gravity(trials, events), at_rest=still.reset_index(drop=True))
 
     def moved(self) -> "GravityTrials | None":
-        """Return the trials that moved all the way; None where all did, or none."""
+        """Return the trials that moved over their whole travel; None if all or none did."""
         stalled = self.table["trial"].isin(self.screened.stalled) | self._held_back
         if self.at_rest.empty and not stalled.any():
             return None
@@ -124,29 +123,29 @@ class GravityTrials(RigTrials):
 
     @property
     def _held_back(self) -> "pd.Series[bool]":
-        """Which trials have an acceleration alone that is not the way of their weights."""
+        """Which trials without events did not accelerate in the direction of the drive."""
         trials = self.table
         if "acceleration_m_s2" not in trials:
             return pd.Series(data=False, index=trials.index)
-        alone = ~stands_in(trials["trial"], self.gravity.events["trial"])
-        return alone & (trials["acceleration_m_s2"] <= 0)
+        without_events = ~stands_in(trials["trial"], self.gravity.events["trial"])
+        return without_events & (trials["acceleration_m_s2"] <= 0)
 
     def supports(self, effect: Effect) -> Unsupported | None:
-        """Return why an effect cannot enter the likelihood; None where it can."""
+        """Return why the likelihood cannot contain an effect; None if it can."""
         return self.places.supports(effect)
 
     @cached_property
     def places(self) -> TrialPlaces:
-        """Where the trials are, and their events tabulated: all likelihoods share it."""
+        """States of the trials and their tabulated events, which all likelihoods share."""
         return TrialPlaces(self.gravity, self.constants)
 
     @cached_property
     def measured(self) -> MeasuredMotion:
-        """What events say of the motion, whatever the law is."""
+        """The measured motion, independent of any law."""
         motion = measured_motion(self.gravity, self.constants)
         if self.event_error_m is None:
             return motion
-        return motion._replace(rough=np.full_like(motion.rough, self.event_error_m))
+        return motion._replace(residual=np.full_like(motion.residual, self.event_error_m))
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
@@ -155,11 +154,11 @@ class GravityTrials(RigTrials):
         return LinearEvents(self.gravity, self.constants, laws, self.measured, acting, self.law)
 
     def entering(self) -> "GravityTrials":
-        """Return the trials that enter a diagnosis.
+        """Return the trials that a diagnosis uses.
 
-        Those that did not move, or stopped, do not: a force along the travel is not known of
-        them. Where the sensors of many trials disagree, it is no fault of a trial, but of the
-        rig, and what the diagnosis is to find: these trials stay.
+        Trials that did not move, or stopped, are not used, because a diagnosis estimates forces
+        along the whole travel. If the sensors disagree in many trials, the cause is the rig, and
+        the diagnosis should find it. These trials are therefore used.
         """
         if self._held_back.all():
             expected = "a trial that enters a diagnosis: one whose acceleration is above 0"
@@ -175,21 +174,21 @@ class GravityTrials(RigTrials):
         return kept.moved() or kept
 
     def planned(self, laws: Mapping[str, Coefficients]) -> "GravityTrials | None":
-        """Return the recorded conditions that move, their events on time by a law."""
+        """Return trials in the recorded conditions that move by a law, with noise-free events."""
         used = self.gravity.trials
         sensors = tuple(dict.fromkeys(self.gravity.events["sensor"])) or ("drive",)
-        laid = on_time(used, self.constants, laws, sensors)
+        gravity = with_predicted_events(used, self.constants, laws, sensors)
         none = self.at_rest.iloc[:0]
-        return None if laid is None else replace(self, gravity=laid, at_rest=none)
+        return None if gravity is None else replace(self, gravity=gravity, at_rest=none)
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "GravityTrials | None":
-        """Return a trial at every feasible condition; see :func:`next_trials`."""
-        laid = lay_out(self.gravity.trials, self.constants, laws)
-        if laid is None:
+        """Return a trial in every feasible condition; see :func:`feasible_trials`."""
+        gravity = feasible_trials(self.gravity.trials, self.constants, laws)
+        if gravity is None:
             return None
-        seen = self.measured.rough
-        error = float(np.sqrt(np.mean(seen**2))) if seen.size else EVENT_SD_M
-        return replace(self, gravity=laid, at_rest=self.at_rest.iloc[:0], event_error_m=error)
+        residual = self.measured.residual
+        error = float(np.sqrt(np.mean(residual**2))) if residual.size else EVENT_SD_M
+        return replace(self, gravity=gravity, at_rest=self.at_rest.iloc[:0], event_error_m=error)
 
     def likelihood(
         self,
@@ -205,7 +204,7 @@ class GravityTrials(RigTrials):
         )
 
     def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
-        """Return friction of model (3) over that of model (4), where a trial has events."""
+        """Return the ratio of friction by model (3) to model (4) for each trial with events."""
         trials, events = self.gravity.trials, self.gravity.events
         seen = stands_in(trials["trial"], events["trial"])
         if not seen.any():
@@ -216,16 +215,16 @@ class GravityTrials(RigTrials):
 
     @cached_property
     def recorded(self) -> pd.DataFrame:
-        """All trials as recorded."""
+        """All recorded trials."""
         return self.source.trials
 
     @property
     def excluded(self) -> Mapping[str, str]:
-        """Trials that a rule of :data:`.screening.RULES` keeps from entering."""
+        """Excluded trials, each with the name of a rule of :data:`.screening.RULES`."""
         return self.screened.excluded
 
     def quality(self) -> Mapping[str, Any]:
-        """Return trials, assemblies and events that enter, and what is odd about them."""
+        """Return numbers of trials, assemblies and events, and irregularities of the data."""
         trials, screened = self.gravity.trials, self.screened
         cells = trials.groupby(["pulley_size", "n_pulleys", "wrap_angle_deg"])["setup"].nunique()
         return {
@@ -253,7 +252,7 @@ class GravityTrials(RigTrials):
         }
 
     def paper_estimates(self) -> Mapping[str, PointEstimate]:
-        """Return the paper's own estimate of each pulley size, eqs (6) to (15)."""
+        """Return the estimate by the paper's method for each pulley size, eqs (6) to (15)."""
         return {
             size.pulley_size: PointEstimate(
                 c1=size.c1.value,
@@ -272,17 +271,17 @@ class GravityTrials(RigTrials):
         return estimate_as_the_paper(self.gravity, self.constants)
 
     def predicted(self, view: Predictive) -> xr.Dataset:
-        """Return friction observed, and predicted for a new trial on a new assembly."""
-        return trials_dataset(self._mine(view), self.recorded, view)
+        """Return observed friction, and predicted friction of a new trial on a new assembly."""
+        return trials_dataset(self._model_of(view), self.recorded, view)
 
     def resting(self, conditions: pd.DataFrame) -> Resting:
-        """Return tension and drive of both masses at rest."""
+        """Return tension and driving force of both masses at rest."""
         condition = trial_condition(conditions, self.constants)
         return Resting(nominal_tension(condition, 0.0), condition.drive_force_n)
 
     def figures(self, view: Predictive) -> Mapping[str, xr.Dataset]:
         """Return friction against tension, the paper's slopes, and a few trajectories."""
-        model, board = self._mine(view), (self.gravity, self.constants)
+        model, board = self._model_of(view), (self.gravity, self.constants)
         assert isinstance(view.likelihood, ExactLikelihood)
         figures = {"curves": curves(model, view.named, view.law)}
         figures |= paper_slopes(
@@ -292,7 +291,7 @@ class GravityTrials(RigTrials):
         return figures
 
     @staticmethod
-    def _mine(view: Predictive) -> GravityModel:
+    def _model_of(view: Predictive) -> GravityModel:
         assert isinstance(view.likelihood, ExactLikelihood)
         assert isinstance(view.likelihood.model, GravityModel)
         return view.likelihood.model
@@ -311,19 +310,24 @@ def _agreement(agreement: SensorAgreement) -> Agreement:
     )
 
 
-def lay_out(
+def feasible_trials(
     measured: pd.DataFrame, rig: RigConstants, laws: Mapping[str, Coefficients]
 ) -> Gravity | None:
-    """Return a trial at every feasible condition, its events on time by a law.
+    """Return a trial in every feasible condition that moves, with noise-free events by a law.
 
     Parameters
     ----------
     measured : DataFrame
-        Trials that were recorded.
+        Recorded trials.
     rig : RigConstants
-        The board.
+        Constants of the board.
     laws : mapping of str to Coefficients
-        Of each pulley size.
+        Coefficients of each pulley size.
+
+    Returns
+    -------
+    Gravity or None
+        Trials and events; None if no trial moves.
     """
 
     def levels(own: pd.DataFrame) -> list[pd.DataFrame]:
@@ -333,27 +337,32 @@ def lay_out(
         return [levels_of(own["n_pulleys"]), levels_of(own["wrap_angle_deg"]), pairs]
 
     trials = every_condition(measured, levels)
-    return on_time(trials, rig, laws, ("drive",))
+    return with_predicted_events(trials, rig, laws, ("drive",))
 
 
-def on_time(
+def with_predicted_events(
     trials: pd.DataFrame,
     rig: RigConstants,
     laws: Mapping[str, Coefficients],
     sensors: Sequence[str],
 ) -> Gravity | None:
-    """Return those of some trials that move, with events on time by a law.
+    """Return the trials that move by a law, with noise-free events.
 
     Parameters
     ----------
     trials : DataFrame
-        Conditions; measured columns are left alone.
+        Conditions of trials; other columns are kept unchanged.
     rig : RigConstants
-        The board.
+        Constants of the board.
     laws : mapping of str to Coefficients
-        Of each pulley size.
+        Coefficients of each pulley size.
     sensors : sequence of str
-        That see them.
+        Sensors that record the events.
+
+    Returns
+    -------
+    Gravity or None
+        Trials and events; None if no trial moves.
     """
     law = law_of_rows(laws, trials["pulley_size"])
     rate = coulomb_acceleration(law, trial_condition(trials, rig))

@@ -1,9 +1,10 @@
 """Friction that wanders along the travel of a trial: the third level of scatter.
 
-Besides the deviations of assembly and trial, friction deviates by ζ(x). This is a smooth process of
-zero mean along the travel of the board, independent for each trial
-(:mod:`bayesfric.inference.cosines`). A short trial contains its first part. The travel is linear in
-the coefficient of each cosine, and the coefficients are integrated out in closed form.
+In addition to the deviations of assembly and trial, friction has a relative deviation ζ(x). This is
+a smooth process of zero mean along the travel of the board, independent for each trial: a sum of
+cosines with normal coefficients (:mod:`bayesfric.inference.cosines`). A short trial contains the
+first part of the process. The travel is linear in the coefficients, which are integrated out in
+closed form.
 """
 
 from collections.abc import Mapping
@@ -18,7 +19,7 @@ from bayesfric.observation.coefficients import SizeIndex
 from bayesfric.rigs.gravity_board.measurements import Columns
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 
-START_LENGTH_M = 0.1  # a place to climb from
+START_LENGTH_M = 0.1  # starting value of the correlation length
 
 
 class Wander:
@@ -27,17 +28,17 @@ class Wander:
     Parameters
     ----------
     places : TrialPlaces
-        Where the trials are.
+        States of the trials.
     analysis : Analysis
-        Priors, and whether each size wanders by an amount of its own.
+        Priors, and whether each size has its own rms.
 
     Attributes
     ----------
     parameters : tuple of Parameter
-        Relative rms and correlation length; none where no trial has events, since an
-        acceleration alone cannot tell what is along a trial from what is between trials.
+        Relative rms and correlation length. Empty if no trial has events, because an acceleration
+        does not distinguish variation along a trial from scatter between trials.
     columns : Columns or None
-        What a newton of each cosine adds; None without parameters.
+        Responses to 1 N of each cosine; None without parameters.
     """
 
     def __init__(self, places: TrialPlaces, analysis: Analysis) -> None:
@@ -61,42 +62,43 @@ class Wander:
     def at_release(
         self, theta: Mapping[str, Array], size: SizeIndex, friction_n: Array
     ) -> Array | float:
-        """Return the variance of friction where a trial is released [N²].
+        """Return the variance of friction by wander at the release of a trial, (W, M) [N²].
 
-        All cosines crest there: its mean square is twice that along the travel.
+        All cosines have their maximum there, so the mean square of the wander is twice that along
+        the travel. The variance is 0 if :attr:`columns` is None.
 
         Parameters
         ----------
         theta : mapping of str to ndarray of shape (W,)
             Parameters by name.
         size : SizeIndex
-            Pulley size of each of M trials, which may be others than those that moved.
+            Pulley size of each of M trials, which may differ from the N trials.
         friction_n : ndarray, shape (W, M)
-            Of each trial, which ζ multiplies [N].
+            Friction of each trial, to which ζ is relative [N].
         """
         if self.columns is None:
             return 0.0
         return np.asarray(2 * (self._rms(theta, size) * friction_n) ** 2)
 
     def variances(self, theta: Mapping[str, Array], friction_n: Array) -> list[Array]:
-        """Return the variance of each cosine's force.
+        """Return the variance of the coefficient of each cosine.
 
         Parameters
         ----------
         theta : mapping of str to ndarray of shape (W,)
             Parameters by name.
         friction_n : ndarray, shape (W, N)
-            Of each trial, which ζ multiplies [N].
+            Friction of each trial, to which ζ is relative [N].
 
         Returns
         -------
         list of ndarray, shape (W, N)
-            One a cosine [N²]; empty where nothing is known to wander.
+            Variance for each cosine [N²]; empty if :attr:`columns` is None.
         """
         if self.columns is None:
             return []
         rms = self._rms(theta, self._places.size)
-        square = np.asfortranarray((rms * friction_n) ** 2)  # as the forms lie in memory
+        square = np.asfortranarray((rms * friction_n) ** 2)  # the order of forms in memory
         shares = cosine_variances(theta["wander_length"] / self._places.extent_m, MODES)
         return [share[:, None] * square for share in shares]
 
@@ -104,5 +106,5 @@ class Wander:
         return size.spread(theta, "wander") if self._by_size else theta["wander"][:, None]
 
     def start(self) -> dict[str, float]:
-        """Return a place to climb from, the rms left out."""
+        """Return the starting value of the correlation length."""
         return {"wander_length": START_LENGTH_M} if self.parameters else {}

@@ -1,4 +1,4 @@
-"""The motor board: constant speed, friction by current (paper Sec. III.A)."""
+"""The motor board: friction from the motor current at constant speed (paper Sec. III.A)."""
 
 from bayesfric.rigs.motor_board.kind import RIG
 

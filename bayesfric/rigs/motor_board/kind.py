@@ -1,4 +1,4 @@
-"""What kind of rig the motor board is."""
+"""The motor board as a rig: its runs and its simulation."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from bayesfric.rigs.protocols import Protocol as Design
     from bayesfric.rigs.truth import Truth
 
-STREAMS = (4, 6)  # of a recording's seed: runs, and phases of effects on them
+STREAMS = (4, 6)  # random streams of a seed: runs, and phases of effects on them
 WORDS = Words("motor board", "run", "runs", paper=True)
 
 
@@ -29,8 +29,8 @@ class MotorBoard(Rig):
     tables: tuple[str, ...] = ("motor_runs.csv", "motor_idle.csv")
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "MotorRuns | None":
-        """Return all runs: no rule keeps one out."""
-        del exclude
+        """Return all runs."""
+        del exclude  # no rule excludes runs
         if recording.motor is None:
             return None
         from bayesfric.rigs.motor_board.trials import MotorRuns
@@ -41,7 +41,7 @@ class MotorBoard(Rig):
     def change(
         self, effect: "Effect", design: "Design", constants: RigConstants, truth: "Truth"
     ) -> "Change | None":
-        """Return what an effect changes of runs, relative to their friction."""
+        """Return a function that computes an effect's change of friction; None if it cannot act."""
         from bayesfric.rigs.motor_board.strength import change_of_runs
 
         del design
@@ -50,7 +50,7 @@ class MotorBoard(Rig):
     def simulate(
         self, design: "Design", constants: RigConstants, truth: "Truth", seed: int
     ) -> "Simulated":
-        """Return runs in their order and the idle motor; see :mod:`.simulator`."""
+        """Return simulated runs and measurements of the idle motor; see :mod:`.simulator`."""
         from bayesfric.rigs.motor_board.simulator import simulate_motor
         from bayesfric.rigs.own_design import Simulated
 

@@ -1,16 +1,16 @@
-"""Likelihood of the motor board: all currents, of the runs and of the idle motor.
+"""Likelihood of the motor board: the density of all currents, of the runs and of the idle motor.
 
-Given the parameters, run j on assembly i has the current
+Given the parameters, the current of run j on assembly i is
 
-    I = h(v)ᵀβ + (r / k_t) (m g + F (1 + η_i + ε_ij)) + noise,
+    I = h(v)ᵀβ + (r / k_t) (m g + F (1 + η_i + ε_ij)) + noise.
 
-with the idle curve h(v)ᵀβ shared by every run and by the idle measurements. β, η
-and ε are Gaussian and linear, so they are integrated out in closed form: the
-currents are one normal (:mod:`bayesfric.inference.grouped_normal`). The noise of a
-current grows with the load: its variance is σ_I² + (λ · load current)², the load
-current being the law's; the scatter of friction would change it by 0.2 %. Speed is
-constant in a run, so an effect on friction adds to F, and one on the motor's current to I.
-The simulator that mirrors it is :mod:`bayesfric.simulate`.
+The idle curve h(v)ᵀβ is common to all runs and to the measurements of the idle motor. β, η and ε
+are Gaussian, and I is linear in them, so they are integrated out in closed form. The currents have
+one joint normal density (:mod:`bayesfric.inference.grouped_normal`). The noise of a current grows
+with the load: its variance is σ_I² + (λ · load current)². The load current is that of the law,
+because the scatter of friction would change it by only 0.2 %. Speed is constant in a run, so an
+effect on friction adds to F, and an effect on the motor's current adds to I. :mod:`.simulator`
+simulates the same model.
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,23 +31,23 @@ from bayesfric.physics.motor import load_current, nominal_tension, tension_feedb
 from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.motor_board.places import RunPlaces
 
-TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 20
+TENSION_ITERATIONS = 2  # each reduces the error of the tension by a factor of about 20
 SCATTER = ("tau_motor", "omega_motor", "omega_intercept_motor")
-LEAST_CURRENT_A = 1e-5  # of the noise, as a start, where the idle curve fits perfectly
+LEAST_CURRENT_A = 1e-5  # lower bound of the starting value of the noise
 
 
 def is_both_ways(velocity_m_s: Array) -> bool:
-    """Return whether signed speeds go both ways."""
+    """Return whether the signed speeds have both signs."""
     return bool((velocity_m_s > 0).any() and (velocity_m_s < 0).any())
 
 
 def idle_basis(velocity_m_s: Array, *, both_ways: bool) -> Array:
     """Return the columns of the idle curve.
 
-    The idle current carries the sign of the torque, so it is an odd curve of the
-    signed speed, with a step at standstill: sign(v) [1, |v|, v²]. What makes the two
-    directions differ, a zero error of the sensor or brushes off centre, is one
-    constant more, where the motor was run in both, with the cable or without.
+    The idle current has the sign of the torque, so it is an odd function of the signed speed with a
+    step at standstill: sign(v) [1, |v|, v²]. If the motor was run in both directions, with the
+    cable or without, there is a further constant. It represents differences between the directions,
+    such as a zero error of the sensor, or brushes that are off centre.
 
     Parameters
     ----------
@@ -59,7 +59,8 @@ def idle_basis(velocity_m_s: Array, *, both_ways: bool) -> Array:
     Returns
     -------
     ndarray, shape (M, 3) or (M, 4)
-        Level, slope, curvature and asymmetry; times A, A s/m, A s²/m² and A.
+        Columns of level, slope, curvature and asymmetry; their coefficients are in A, A s/m,
+        A s²/m² and A.
     """
     sign, speed = np.sign(velocity_m_s), np.abs(velocity_m_s)
     columns = [sign, sign * speed, sign * speed**2]
@@ -71,29 +72,29 @@ def idle_basis(velocity_m_s: Array, *, both_ways: bool) -> Array:
 class MotorModel(ExactModel):
     """Currents of the motor board; see :class:`bayesfric.observation.exact.ExactModel`.
 
-    The scatter of a run is normal: the Student-t option of the analysis is for
-    gravity-board trials.
+    The scatter of runs and assemblies is normal; Student-t options of the analysis are not used.
 
     Parameters
     ----------
     motor : Motor
-        Runs that enter and idle measurements.
+        Runs, and measurements of the idle motor.
     rig : RigConstants
-        The board; torque constant and capstan radius.
+        Constants of the board, such as torque constant and capstan radius.
     analysis : Analysis
-        Priors, and whether each size has a scatter of its own.
+        Priors, and whether each size has its own scatter.
     baseline : FrictionLaw
         The friction law.
     effects : sequence of ActiveEffect
-        What acts beside the law; what :meth:`RunPlaces.supports` refuses is left out.
+        Effects that act in addition to the law. Those that :meth:`RunPlaces.supports` does not
+        support are ignored.
 
     Attributes
     ----------
     condition : MotorCondition
-        Of each run, arrays of shape (N,).
+        Condition of each run, arrays of shape (N,).
     trials : DataFrame
-        The N runs in the order of every result, those of an assembly adjacent;
-        their id is ``trial``.
+        The N runs in the order of all results; those of an assembly are adjacent. Their
+        identifiers are in ``trial``.
     """
 
     def __init__(
@@ -126,7 +127,7 @@ class MotorModel(ExactModel):
         )
         priors = analysis.priors
         self._columns = idle_basis(speed, both_ways=is_both_ways(speed)) * priors.idle_current_sd
-        # Of an idle motor that ran one way alone, the other is taken to be alike.
+        # If the idle motor ran in one direction only, its curve is assumed to be odd.
         self._by_idle = idle_basis(speed, both_ways=is_both_ways(idle_speed))
         self.coefficients = coefficient_parameters(self._size.sizes, analysis, baseline.without)
         self.scatter = ScatterLevels(
@@ -145,19 +146,20 @@ class MotorModel(ExactModel):
     def law(self, theta: Mapping[str, Array]) -> Array:
         """Return the signed friction of each run by the law and the effects, (W, N) [N].
 
-        fc of eq. (15) and of the effects at the nominal tension of the run, with the sign of v.
+        It is fc of the law, plus effects on friction, at the nominal tension of the run, with the
+        sign of v.
         """
         return self._forces(theta)[0]
 
     def _forces(self, theta: Mapping[str, Array]) -> tuple[Array, Array]:
-        """Return the friction that scatters and what scatter leaves alone, signed, (W, N) [N]."""
+        """Return signed friction, and signed forces of effects on the drive, (W, N) [N]."""
         law = self._size.coefficients(theta)
         friction = np.asarray(self._friction(law, self.condition))
         drag = held = np.zeros_like(friction)
         if not self._on("friction") and not self._on("drive"):
             return friction, held
         feedback, sign = tension_feedback(law, self.condition), np.sign(self.condition.velocity_m_s)
-        for _ in range(TENSION_ITERATIONS):  # the drag changes the tension on which it depends
+        for _ in range(TENSION_ITERATIONS):  # effects change the tension, on which they depend
             state = self._places.state(law, friction + sign * feedback * (drag + held))
             drag = self._added("friction", theta, state)
             held = self._added("drive", theta, state)
@@ -167,7 +169,7 @@ class MotorModel(ExactModel):
         return [effect for effect in self._effects if effect.effect.acts_on == kind]
 
     def _added(self, kind: str, theta: Mapping[str, Array], state: State) -> Array:
-        """Return what effects of one kind add, shape (W, N)."""
+        """Return the sum of the effects of one kind, shape (W, N) [N] or [A]."""
         acting = self._on(kind)
         shape = np.broadcast_shapes(
             *(np.shape(part) for part in (state.tension_n, state.speed_m_s))
@@ -175,20 +177,20 @@ class MotorModel(ExactModel):
         return np.broadcast_to(total(acting, theta, state) if acting else 0.0, shape)
 
     def observed(self, theta: Mapping[str, Array]) -> Array:
-        """Return the signed friction that the currents show, (W, N) [N].
+        """Return the signed friction from the measured currents, (W, N) [N].
 
-        ``k_t (I − I_idle(v)) / r − m g`` with the idle curve of the idle measurements alone; of the
-        parameters only the torque constant counts.
+        It is ``k_t (I − I_idle(v)) / r − m g``, with an idle curve fitted to the idle measurements
+        alone. It depends only on one parameter, the torque constant.
         """
         beyond = self._beyond_idle()[: self._runs]
         pull = self._torque(theta) * beyond / self._radius
         return np.asarray(pull - self.condition.weight_n)
 
     def read(self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator) -> Array:
-        """Draw the signed friction that the currents would show, (…, W, N) [N].
+        """Draw signed measured friction, given its relative deviation from the law, (…, W, N) [N].
 
-        As :meth:`observed` reads it from the currents with the median torque constant, whatever
-        that of the draw; the idle curve's error, which all runs share, is left out.
+        Currents of each draw are converted to friction as in :meth:`observed`, with the median
+        torque constant. The common error of the idle curve is left out.
         """
         friction, held = self._forces(theta)
         torque = self._torque(theta)
@@ -201,8 +203,8 @@ class MotorModel(ExactModel):
         return np.asarray(reading * current - self.condition.weight_n)
 
     def start(self) -> dict[str, float]:
-        """Return rough estimates by least squares, a place to climb from."""
-        left = self._beyond_idle()[self._runs :]
+        """Return starting values by least squares."""
+        residual = self._beyond_idle()[self._runs :]
         friction = self.observed({"torque_constant_factor": np.ones(1)})[0]
         start = self._size.rough_coefficients(
             self.condition.n_pulleys,
@@ -211,12 +213,12 @@ class MotorModel(ExactModel):
             np.sign(self.condition.velocity_m_s) * friction,
         )
         start["torque_constant_factor"] = 1.0
-        start["sigma_current"] = max(float(left.std()), LEAST_CURRENT_A)
+        start["sigma_current"] = max(float(residual.std()), LEAST_CURRENT_A)
         start["load_noise"] = 0.005
         return start | rough_values(self._effects)
 
     def _beyond_idle(self) -> Array:
-        """Return currents less the idle curve of the idle measurements, shape (M,)."""
+        """Return currents minus the curve fitted to the idle measurements, shape (M,) [A]."""
         idle = slice(self._runs, None)
         curve = np.linalg.lstsq(self._by_idle[idle], self._current[idle], rcond=None)[0]
         return np.asarray(self._current - self._by_idle @ curve)
@@ -231,7 +233,7 @@ class MotorModel(ExactModel):
         return np.asarray(self._size.coefficients(theta).c2 * signed)
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
-        """Return the currents of runs and, after them, of the idle motor."""
+        """Return the currents of the runs as measures of friction, then those of the idle motor."""
         (friction, held), torque = self._forces(theta), self._torque(theta)
         load = load_current(self.condition, friction + held, torque, self._radius)
         law = self._size.coefficients(theta)
@@ -246,7 +248,7 @@ class MotorModel(ExactModel):
             variance,
             friction,
             curve=self._columns,
-            # Friction takes current from a motor that lifts, and gives it back as it lowers.
+            # Friction increases the current of a motor that lifts, and decreases it in lowering.
             sign=np.sign(self.condition.velocity_m_s),
             per_newton=self._radius / torque,
             newtons=float(np.median(torque)) / self._radius,

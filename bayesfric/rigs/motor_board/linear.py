@@ -1,4 +1,4 @@
-"""The motor board in the linear model: one current a run, and the idle motor's."""
+"""The motor board in the linear model: one current for each run, and those of the idle motor."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -23,7 +23,8 @@ from bayesfric.rigs.motor_board.likelihood import idle_basis, is_both_ways
 from bayesfric.rigs.motor_board.places import run_condition
 from bayesfric.rigs.pulley_radii import pulley_radii
 
-SCATTER, ERROR = (1e-4, 1.0), (1e-5, 1.0)  # looked at
+SCATTER = (1e-4, 1.0)  # range of the search for relative scatter
+ERROR = (1e-5, 1.0)  # range of the search for the noise of a current [A]
 
 
 def motor_rows(
@@ -32,18 +33,18 @@ def motor_rows(
     laws: Mapping[str, Coefficients],
     baseline: FrictionLaw = BASELINES["paper"],
 ) -> LinearReadings:
-    """Return the runs around a reference law, their readings in ampere.
+    """Return the runs, linearised around a reference law, with readings in ampere.
 
-    The torque constant is the specified one: that it may be another is an effect.
+    The torque constant is the specified one. A deviation of it is an effect.
 
     Parameters
     ----------
     motor, constants : Motor, RigConstants
-        Runs and idle measurements, and the board.
+        Runs and measurements of the idle motor, and constants of the board.
     laws : mapping of str to Coefficients
         Coefficients of each pulley size.
     baseline : FrictionLaw
-        The law.
+        The friction law.
     """
     runs = motor.runs.rename(columns={"run": "trial"}).reset_index(drop=True)
     assert constants.motor_torque_constant_n_m_per_a and constants.capstan_radius_m
@@ -89,13 +90,13 @@ def motor_rows(
 
 
 def _scatter_of(columns: Array, current_a: Array) -> float:
-    """Return the scatter of idle readings about their curve, by least squares [A]."""
+    """Return the scatter of idle currents around their least-squares curve, at least 1e-4 A [A]."""
     curve = np.linalg.lstsq(columns, current_a, rcond=None)[0]
     return max(float((current_a - columns @ curve).std()), 1e-4)
 
 
 def _noise(rough_a: float, priors: Priors) -> tuple[NoiseParameter, ...]:
-    """Return the noise parameters; `rough_a` is the idle readings' own scatter [A]."""
+    """Return the noise parameters; `rough_a` is the scatter of the idle currents [A]."""
     of_intercept = priors.omega_intercept_motor
     return (
         noise_parameter("tau_motor", priors.tau_motor, 0.012, SCATTER, 0.01, scatters=True),

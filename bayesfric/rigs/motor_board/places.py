@@ -1,4 +1,4 @@
-"""Where runs of the motor board are when an effect acts."""
+"""States of the motor board's runs at which effects are evaluated."""
 
 import numpy as np
 import pandas as pd
@@ -21,7 +21,7 @@ NO_PHASES = Unsupported(
 
 
 def run_condition(runs: pd.DataFrame, rig: RigConstants) -> MotorCondition:
-    """Return the condition of each run, arrays of shape (N,)."""
+    """Return the conditions of N runs, arrays of shape (N,)."""
     return MotorCondition(
         runs["n_pulleys"].to_numpy(dtype=np.float64),
         runs["wrap_angle_deg"].to_numpy(dtype=np.float64),
@@ -32,14 +32,14 @@ def run_condition(runs: pd.DataFrame, rig: RigConstants) -> MotorCondition:
 
 
 class RunPlaces:
-    """N runs.
+    """States of N runs.
 
     Parameters
     ----------
     runs : DataFrame
-        One row a run.
+        One row for each run.
     rig : RigConstants
-        The board.
+        Constants of the board.
     """
 
     def __init__(self, runs: pd.DataFrame, rig: RigConstants) -> None:
@@ -47,16 +47,16 @@ class RunPlaces:
         self._around = surroundings(runs, rig)
 
     def state(self, law: Coefficients, friction_n: Array, load_a: Array | float = 0.0) -> State:
-        """Return where runs are, arrays that broadcast to (W, N).
+        """Return the state of each run, arrays that broadcast to (W, N).
 
         Parameters
         ----------
         law : Coefficients
-            Of each run.
+            Coefficients of each run.
         friction_n : ndarray, shape (W, N)
-            Signed, with all that pulls beside the weight; sets the tension [N].
+            Signed sum of all forces except the weight, which determines the tension [N].
         load_a : ndarray, shape (W, N), or float
-            Current beyond that of the idle motor [A].
+            Current minus that of the idle motor [A].
         """
         condition = self.condition
         return State.of(
@@ -71,10 +71,10 @@ class RunPlaces:
         )
 
     def supports(self, effect: Effect) -> Unsupported | None:
-        """Return why an effect cannot enter the likelihood; None where it can."""
+        """Return why the likelihood cannot contain an effect; None if it can."""
         if effect.acts_on == "reading":
             return ON_READINGS
-        law = table1_coefficients()["medium"]  # any law will do
+        law = table1_coefficients()["medium"]  # the result does not depend on the law
         state = self.state(law, np.zeros(1), np.ones(1))
         for effect_law in effect.laws.values():
             response = np.asarray(effect_law(small_values(effect), state))

@@ -1,4 +1,4 @@
-"""Runs of the motor board."""
+"""Observed and predicted friction of the motor board's runs."""
 
 import pandas as pd
 import xarray as xr
@@ -10,14 +10,14 @@ from bayesfric.rigs.residuals import beside_predicted
 
 
 def runs(model: MotorModel, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
-    """Return friction observed, and predicted for a new run on a new assembly.
+    """Return observed friction, and predicted friction of a new run on a new assembly.
 
     Parameters
     ----------
     model : MotorModel
-        Of the fit.
+        Model of the fit.
     recorded : DataFrame
-        All runs as recorded, for their order.
+        All recorded runs, which give the order.
     view : Predictive
         The fit.
     """

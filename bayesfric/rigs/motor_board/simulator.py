@@ -1,7 +1,7 @@
-"""The motor board, simulated: runs in their order, and the idle motor.
+"""Simulation of the motor board: runs in random order, and the idle motor.
 
-A run's friction scatters like a trial's, and what acts on the drive does not. Its current
-is that of the idle motor, plus that of the load, plus what effects on the motor add, plus
+The friction of a run scatters with its assembly and by itself. Effects on the drive do not scatter.
+The current is the sum of that of the idle motor, that of the load, effects on the current, and
 noise that grows with the load.
 """
 
@@ -27,12 +27,12 @@ from bayesfric.rigs.protocols import (
 )
 from bayesfric.rigs.truth import Truth, laws_of
 
-CURRENT_DECIMALS = 6  # of an ampere, as written down
-TENSION_ITERATIONS = 12  # each takes the error down by n k / 2, some 10
+CURRENT_DECIMALS = 6  # recorded decimals of a current in ampere
+TENSION_ITERATIONS = 12  # each reduces the error of the tension by a factor of about 10
 
 
-def lay_runs(rng: np.random.Generator) -> pd.DataFrame:
-    """Lay every assembly, weight and speed, in an order drawn assembly by assembly."""
+def runs_in_random_order(rng: np.random.Generator) -> pd.DataFrame:
+    """Return a table of runs, with assemblies, and the runs of each, in random order."""
     rows: list[dict[str, Any]] = []
     for place, chosen in enumerate(rng.permutation(len(MOTOR_ASSEMBLIES)), start=1):
         assembly = MOTOR_ASSEMBLIES[chosen]
@@ -58,8 +58,8 @@ def lay_runs(rng: np.random.Generator) -> pd.DataFrame:
 def simulate_motor(
     rig: RigConstants, truth: Truth, rng: np.random.Generator, effects_rng: np.random.Generator
 ) -> Motor:
-    """Run every assembly, weight and speed, and the idle motor."""
-    runs = lay_runs(rng)
+    """Return simulated runs with every assembly, weight and speed, and the idle motor."""
+    runs = runs_in_random_order(rng)
     assert rig.motor_torque_constant_n_m_per_a and rig.capstan_radius_m
     condition = run_condition(runs, rig)
     setup_index = pd.factorize(runs["setup"])[0]
@@ -109,7 +109,7 @@ def _forces(
     acting: Sequence[PhasedEffect],
     around: Mapping[str, Any],
 ) -> tuple[Array, Array | float]:
-    """Return friction without scatter and what scatter leaves alone, both signed [N]."""
+    """Return friction without scatter, and forces of effects on the drive, both signed [N]."""
     on_friction, on_drive = of_kind(acting, "friction"), of_kind(acting, "drive")
     if not on_friction and not on_drive:
         return motor_friction(law, condition), 0.0

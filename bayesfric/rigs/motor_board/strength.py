@@ -1,4 +1,4 @@
-"""What an effect changes of the runs, relative to their friction."""
+"""The change of the motor board's runs by an effect, relative to their friction."""
 
 import numpy as np
 
@@ -8,13 +8,16 @@ from bayesfric.physics.motor import load_current, motor_friction, nominal_tensio
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.changes import Change, around_rows, at_times, law_column
 from bayesfric.rigs.motor_board.places import run_condition
-from bayesfric.rigs.motor_board.simulator import lay_runs
+from bayesfric.rigs.motor_board.simulator import runs_in_random_order
 from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
 
 
 def change_of_runs(constants: RigConstants, truth: Truth) -> Change:
-    """Return how an effect changes the friction of each run, or its current taken for it."""
-    runs = lay_runs(np.random.default_rng(0))
+    """Return a function that computes the relative change of each run's friction by an effect.
+
+    A change of the current is converted to a force, for which it would be mistaken.
+    """
+    runs = runs_in_random_order(np.random.default_rng(0))
     condition = run_condition(runs, constants)
     law = laws_of(truth, runs["pulley_size"])
     friction = motor_friction(law, condition)
@@ -34,7 +37,7 @@ def change_of_runs(constants: RigConstants, truth: Truth) -> Change:
     def change(applied: AppliedEffect) -> Array:
         added = np.asarray(applied(state)) / np.abs(friction)[:, None]
         if applied.effect.acts_on == "current":
-            added = added * constant / radius  # what one would take for friction
+            added = added * constant / radius
         return at_times(added, (len(runs), 1))
 
     return change

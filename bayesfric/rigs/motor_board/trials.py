@@ -1,4 +1,4 @@
-"""Runs of the motor board that enter, and what kind of rig it is."""
+"""The runs of the motor board that are used in a fit or a diagnosis."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -26,20 +26,22 @@ from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
 
 @dataclass(frozen=True)
 class MotorRuns(RigTrials):
-    """Runs that enter.
+    """Runs that are used.
 
     Parameters
     ----------
     rig : Rig
         The kind of rig.
     constants : RigConstants
-        The board.
+        Constants of the board.
     motor : Motor
-        Runs and idle measurements.
+        Runs, and measurements of the idle motor.
     recorded : DataFrame
-        All runs as recorded; their id is ``trial``.
+        All recorded runs; their identifiers are in ``trial``.
     law : FrictionLaw
-        Around which a diagnosis makes them linear.
+        Law around which a diagnosis linearises.
+    loads : tuple of str
+        Columns that define a condition, together with size, number and wrap angle.
     """
 
     rig: Rig
@@ -51,23 +53,23 @@ class MotorRuns(RigTrials):
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """One row a run; its id is ``trial``."""
+        """One row for each run; its identifier is ``trial``."""
         return _by_trial(self.motor.runs)
 
     def select(self, keep: "pd.Series[bool]") -> "MotorRuns | None":
-        """Return the runs of a mask over the table; None without any."""
+        """Return the runs that a mask over the table selects; None if it selects none."""
         runs = self.motor.runs[keep].reset_index(drop=True)
         return replace(self, motor=Motor(runs, self.motor.idle)) if len(runs) else None
 
     def supports(self, effect: Effect) -> Unsupported | None:
-        """Return why an effect cannot enter the likelihood; None where it can."""
+        """Return why the likelihood cannot contain an effect; None if it can."""
         return RunPlaces(self.motor.runs, self.constants).supports(effect)
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
     ) -> LinearReadings:
-        """Return the currents as rows of a linear model; nothing starts to move here."""
-        del acting
+        """Return the currents as rows of a linear model."""
+        del acting  # a steady run has no start of motion
         return motor_rows(self.motor, self.constants, laws, self.law)
 
     def likelihood(
@@ -80,11 +82,11 @@ class MotorRuns(RigTrials):
         return ExactLikelihood(MotorModel(self.motor, self.constants, analysis, law, effects))
 
     def quality(self) -> Mapping[str, Any]:
-        """Return how many runs enter."""
+        """Return the number of runs."""
         return {"motor_runs": len(self.motor.runs)}
 
     def predicted(self, view: Predictive) -> xr.Dataset:
-        """Return friction observed, and predicted for a new run on a new assembly."""
+        """Return observed friction, and predicted friction of a new run on a new assembly."""
         assert isinstance(view.likelihood, ExactLikelihood)
         assert isinstance(view.likelihood.model, MotorModel)
         return runs_dataset(view.likelihood.model, self.recorded, view)

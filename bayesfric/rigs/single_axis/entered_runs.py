@@ -216,7 +216,7 @@ class EnteredRuns(RigTrials):
         return () if self.source is None else varied_columns(self.source.runs)
 
     @property
-    def taken_up(self) -> frozenset[str]:
+    def covered_effects(self) -> frozenset[str]:
         """Pulls towards a place, where other joints move and no model says what that does."""
         machine = self.machine
         coupled = machine is not None and machine.bodies is None and machine.others_move

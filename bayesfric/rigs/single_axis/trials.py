@@ -166,7 +166,7 @@ class AxisRuns(EnteredRuns):
         return opened(self.rig, self.source, self.constants, simulator) or self
 
     @property
-    def open_still(self) -> str | None:
+    def why_no_finding(self) -> str | None:
         """That it hardly turns, so that effects of the place were not examined, or spikes."""
         needed = min(TURNS)
         if self._moved_otherwise is not None:

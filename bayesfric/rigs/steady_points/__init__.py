@@ -1,4 +1,4 @@
-"""Friction measured at steady motion, by whatever means: one reading a point."""
+"""Friction measured in steady motion by any method, with one reading for each point."""
 
 from bayesfric.rigs.steady_points.kind import RIG
 

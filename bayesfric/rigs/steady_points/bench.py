@@ -1,9 +1,10 @@
-"""Friction points as recorded; a missing column means that its quantity did not vary.
+"""Recorded friction points, and the scale of an unknown machine.
 
-Laws and priors of effects were chosen for cables over pulleys at about 15 N. For an unknown machine
-they are rescaled: its rms friction replaces that of one pulley, and its highest tension and speed
-replace those that the paper tested. Priors of amplitudes are wider there, because it is not known
-how good the machine is.
+If a column is missing, its quantity is assumed not to vary. Laws and priors of effects were chosen
+for cables over pulleys at about 15 N. For an unknown machine they are rescaled: its rms friction
+replaces that of one pulley, and its highest tension and speed replace the highest ones that the
+paper tested. Priors of relative amplitudes are wider, because the quality of the machine is not
+known.
 """
 
 from collections.abc import Mapping
@@ -23,14 +24,12 @@ from bayesfric.recording.columns import TAKEN
 from bayesfric.recording.steady_signs import against_motion
 from bayesfric.rigs.rotary import rotary_unit
 
-PRIOR_WIDENING = 3.0  # priors of amplitudes that are shares; a force is one pulley's, not a board's
+PRIOR_WIDENING = 3.0  # factor for priors of relative amplitudes; those of forces are wide already
 IN_PROPORTION = "in proportion to this machine's friction, tension and speed; on a board "
 SENTENCES = {
     "fixed-drag": "a force opposes the motion, whatever the load",
 }
-"""Of effects whose own sentence speaks of cables and pulleys."""
-
-
+"""Sentences that replace those of effects about cables and pulleys."""
 PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 OWN_COLUMNS = ("order", "setup", "role", "friction_n", "friction_sd_n", "velocity_m_s")
 ABSENT = {
@@ -39,19 +38,19 @@ ABSENT = {
     "tension_n": 0.0,
     "velocity_m_s": 0.0,
 }
-"""What stands for a column of a condition that was not recorded."""
-FEWEST_SETUPS = 5  # below which points are held out one by one
-WIDE = 2.0  # width of the prior of a coefficient, relative to one that makes all of friction
+"""Values of the columns of a condition that were not recorded."""
+FEWEST_SETUPS = 5  # least number of conditions of pulleys that are treated as assemblies
+WIDE = 2.0  # prior sd of a coefficient, relative to the value that would explain all friction
 
 
 @dataclass(frozen=True)
 class Scale:
-    """How large a machine is, over a pulley of the paper's.
+    """The scale of a machine, relative to a pulley of the paper.
 
     Parameters
     ----------
     force, tension, speed : float
-        Of friction, tension and speed, each above 0.
+        Ratios of friction, tension and speed, each above 0.
     """
 
     force: float
@@ -60,17 +59,17 @@ class Scale:
     paper_force_n: ClassVar[float] = 0.25  # Table I, medium, at 15 N and 85°
     paper_tension_n: ClassVar[float] = 33.0  # Table II
     paper_speed_m_s: ClassVar[float] = 1.3  # Table II
-    reference_tension_n: ClassVar[float] = 15.0  # of effects
+    reference_tension_n: ClassVar[float] = 15.0  # to which laws of effects refer
 
     def adapted(self, effect: Effect, *, rotary: bool) -> Effect:
-        """Return an effect on the machine, its numbers in the machine's units.
+        """Return an effect with laws, priors and units for the machine.
 
         Parameters
         ----------
         effect : Effect
-            Argued for the paper's boards.
+            Effect with laws and priors for the paper's boards.
         rotary : bool
-            Whether radians and newton metres take the place of metres and newtons.
+            Whether radians and newton metres replace metres and newtons.
         """
         wider = 1.0 if effect.amplitude.unit.startswith("N") else PRIOR_WIDENING
         amplitude = self._parameter(effect.amplitude, wider, rotary=rotary)
@@ -85,7 +84,10 @@ class Scale:
         )
 
     def _places(self, edge: Mapping[str, float]) -> dict[str, float]:
-        """Return where an effect matters most, in the middle of the machine elsewhere."""
+        """Return the condition in which an effect matters most, scaled to the machine.
+
+        A field that `edge` does not set has a value in the middle of the machine's range.
+        """
         middle = {"tension_n": self.reference_tension_n, "speed_m_s": self.paper_speed_m_s / 2}
         scales = {"tension_n": self.tension, "speed_m_s": self.speed}
         return {
@@ -95,13 +97,13 @@ class Scale:
     def _law(self, law: Law, effect: Effect) -> Law:
         units = {parameter.name: self._unit(parameter.unit) for parameter in effect.parameters}
 
-        def scaled(values: Mapping[str, Any], where: State) -> Array:
-            board = where._replace(
-                tension_n=np.asarray(where.tension_n) / self.tension,
-                speed_m_s=np.asarray(where.speed_m_s) / self.speed,
-                tension_friction_n=np.asarray(where.tension_friction_n) / self.force,
-                constant_friction_n=np.asarray(where.constant_friction_n) / self.force,
-                pulley_friction_n=np.asarray(where.pulley_friction_n) / self.force,
+        def scaled(values: Mapping[str, Any], state: State) -> Array:
+            board = state._replace(
+                tension_n=np.asarray(state.tension_n) / self.tension,
+                speed_m_s=np.asarray(state.speed_m_s) / self.speed,
+                tension_friction_n=np.asarray(state.tension_friction_n) / self.force,
+                constant_friction_n=np.asarray(state.constant_friction_n) / self.force,
+                pulley_friction_n=np.asarray(state.pulley_friction_n) / self.force,
             )
             return np.asarray(
                 self.force * law({name: v / units[name] for name, v in values.items()}, board)
@@ -110,7 +112,7 @@ class Scale:
         return scaled
 
     def _unit(self, unit: str) -> float:
-        """Return what one of a unit on a board is on the machine."""
+        """Return the value on the machine that corresponds to 1 of a unit on a board."""
         force, speed = self.force, self.speed
         by_unit = {"N": force, "m/s": speed, "s/m": 1 / speed, "N s²/m²": force / speed**2}
         return by_unit.get(unit, 1.0)
@@ -132,22 +134,22 @@ class Scale:
 
 @dataclass(frozen=True)
 class Bench:
-    """What a recording has of such points.
+    """The points of a recording.
 
     Parameters
     ----------
     table : DataFrame
-        A row a point, those of an assembly adjacent: ``trial``, ``setup``, ``pulley_size``,
-        ``n_pulleys``, ``wrap_angle_deg``, ``tension_n``, ``friction_n`` against the motion,
-        and the other columns as recorded.
+        One row for each point: ``trial``, ``setup``, ``pulley_size``, ``n_pulleys``,
+        ``wrap_angle_deg``, ``tension_n``, ``friction_n`` (positive if it opposes the motion),
+        and the other recorded columns. Rows of an assembly are adjacent.
     given : frozenset of str
-        Columns that were recorded; of others the table has a value that stands for none.
+        Recorded columns. Columns of a condition that were not recorded have a default value.
     covariates : tuple of str
-        Columns of the user's own.
+        Further columns of the user.
     shared : bool
-        Whether points share assemblies; else each counts by itself.
+        Whether points share assemblies; otherwise each point is an assembly of its own.
     scale : Scale
-        How large forces, tensions and speeds are, over those of a paper's pulley.
+        Scale of forces, tensions and speeds, relative to those of the paper's pulleys.
     rotary : bool
         Whether forces are torques.
     """
@@ -161,22 +163,22 @@ class Bench:
 
     @property
     def has_pulleys(self) -> bool:
-        """Whether anything is said of pulleys."""
+        """Whether a column about pulleys was recorded."""
         return any(name in self.given for name in PULLEYS)
 
     @property
     def force_unit(self) -> str:
-        """Newton, or newton metre where it turns."""
+        """Unit of forces: N, or N·m for a rotary machine."""
         return rotary_unit("N") if self.rotary else "N"
 
     @property
     def is_of_paper(self) -> bool:
-        """Whether all pulleys are of the paper's sizes, which priors were argued for."""
+        """Whether all pulleys have sizes of the paper, for which the priors were chosen."""
         return bool(self.table["pulley_size"].isin(list(table1())).all())
 
     @property
     def both_ways(self) -> bool:
-        """Whether the motion went both ways."""
+        """Whether the recording has motion in both directions."""
         if "velocity_m_s" not in self.given:
             return False
         speed = self.table["velocity_m_s"]
@@ -184,28 +186,28 @@ class Bench:
 
     @property
     def speed(self) -> Array:
-        """Size of the speed, 0 where nobody says, shape (N,) [m/s]."""
+        """Absolute speed, 0 if not recorded, shape (N,) [m/s]."""
         if "velocity_m_s" not in self.given:
             return np.zeros(len(self.table))
         return np.asarray(self.table["velocity_m_s"].abs(), dtype=np.float64)
 
     @property
     def known_sd(self) -> Array:
-        """Standard error of each reading, NaN where nobody states it, shape (N,) [N]."""
+        """Standard error of each reading, NaN if not recorded, shape (N,) [N]."""
         if "friction_sd_n" not in self.given:
             return np.full(len(self.table), np.nan)
         return self.table["friction_sd_n"].to_numpy(dtype=np.float64)
 
     @property
     def friction_scale(self) -> float:
-        """How large friction is [N]."""
+        """Rms friction of one pulley times the mean number of pulleys [N]."""
         return self.scale.force * Scale.paper_force_n * float(self.table["n_pulleys"].mean())
 
     def priors(self) -> dict[str, PriorOverrides]:
-        """Return priors of the coefficients of sizes that are not the paper's.
+        """Return priors of the coefficients of sizes that the paper does not have.
 
-        Nobody knows beforehand how much a machine rubs; each coefficient may make all of the
-        friction there is, twice over.
+        The friction of a machine is not known beforehand. The prior standard deviation of each
+        coefficient is therefore :data:`WIDE` times the value that would explain all friction.
         """
         slope = self.scale.force / self.scale.tension * Scale.paper_force_n / Scale.paper_tension_n
         own = PriorOverrides(
@@ -217,14 +219,14 @@ class Bench:
         return dict.fromkeys(sorted(sizes), own)
 
     def coefficients_without(self) -> frozenset[str]:
-        """Return the coefficients that make no sense: of no tension, or of no pulley."""
+        """Return the coefficients that are not defined, without a tension or without pulleys."""
         if "tension_n" not in self.given:
             return frozenset({"c1", "c3"})
         return frozenset() if self.has_pulleys else frozenset({"c3"})
 
 
 def bench_of(points: pd.DataFrame, *, rotary: bool) -> Bench:
-    """Return the points of a recording, completed.
+    """Return the points of a recording, with values for all columns of a condition.
 
     Parameters
     ----------
@@ -245,7 +247,8 @@ def bench_of(points: pd.DataFrame, *, rotary: bool) -> Bench:
         shared = given >= set(PULLEYS) and cell.nunique() >= FEWEST_SETUPS
         table["setup"] = [f"a{number + 1}" for number in cell] if shared else table["trial"]
     elif table[["setup", "pulley_size"]].drop_duplicates()["setup"].duplicated().any():
-        # Friction of an assembly deviates by a share of its own size's: each size has one.
+        # The deviation of an assembly is relative to the friction of one size, so each size has
+        # an assembly of its own.
         table["setup"] = table["setup"] + " (" + table["pulley_size"] + ")"
     table = table.sort_values("setup", kind="stable", ignore_index=True)
     own_columns = {*OWN_COLUMNS, *TAKEN}

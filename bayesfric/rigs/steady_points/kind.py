@@ -1,4 +1,4 @@
-"""What kind of rig a bench of steady points is."""
+"""A bench of steady points as a rig: its points and its simulation."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -24,7 +24,7 @@ WORDS = Words(
 
 @dataclass(frozen=True)
 class SteadyPoints(Rig):
-    """Anybody's bench, joint or slide on which friction was measured at steady motion."""
+    """Any bench, joint or slide on which friction was measured in steady motion."""
 
     name: str = "steady-points"
     words: Words = WORDS
@@ -32,14 +32,14 @@ class SteadyPoints(Rig):
 
     @property
     def own_design(self) -> "OwnDesign":
-        """A bench."""
+        """Design of a simulated bench with medium pulleys."""
         from bayesfric.rigs.steady_points.simulator import DESIGN
 
         return DESIGN
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "SteadyTrials | None":
-        """Return all points: no rule keeps one out."""
-        del exclude
+        """Return all points."""
+        del exclude  # no rule excludes points
         if recording.steady is None:
             return None
         from bayesfric.rigs.steady_points.bench import bench_of

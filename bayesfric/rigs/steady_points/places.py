@@ -1,4 +1,4 @@
-"""Where points are when an effect acts, and which effects a point can show."""
+"""States of points at which effects are evaluated, and the effects that points can show."""
 
 import numpy as np
 import pandas as pd
@@ -11,7 +11,7 @@ from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients, c
 from bayesfric.rigs.base import CONDITION, Unsupported, why_inert
 from bayesfric.rigs.steady_points.bench import ABSENT, Bench
 
-LEAST_TENSION = 1e-6  # of the middle: some laws divide by it
+LEAST_TENSION = 1e-6  # lower bound relative to the reference tension: some laws divide by tension
 DIRECTION = "direction"
 NO_PATH = Unsupported(
     "It changes along a path or round a pulley, and a point is a mean over steady motion."
@@ -20,42 +20,43 @@ NO_SENSOR = Unsupported("It acts on a sensor of another rig, and this one reads 
 
 
 def state_of(bench: Bench, law: Coefficients, asked: pd.DataFrame | None = None) -> State:
-    """Return where points are, by a law: arrays that broadcast to (N,) or (W, N).
+    """Return the states of points by a law, arrays that broadcast to (N,) or (W, N).
 
     Parameters
     ----------
     bench : Bench
-        The points, and what varied over them.
+        The points.
     law : Coefficients
-        Of each point.
+        Coefficients of each point.
     asked : DataFrame or None
-        Other conditions, with the columns that were recorded; None is those of the points.
+        Other conditions, with the recorded columns; None is the conditions of the points.
     """
     table = bench.table if asked is None else asked
     n, wrap, tension = (_column(bench, table, name) for name in CONDITION)
     speed = np.abs(_column(bench, table, "velocity_m_s"))
     state = State.of(law, n, wrap, tension, speed, order=rank(table), steady=True)
     covariates = covariates_of(bench, table)
-    # What an effect is in proportion to; on the paper's pulleys it is so at 15 N.
-    middle = bench.scale.reference_tension_n * (1.0 if bench.is_of_paper else bench.scale.tension)
-    least = LEAST_TENSION * middle if "tension_n" in bench.given else middle
+    # Effects are relative to friction at a reference tension: 15 N for the paper's pulleys.
+    reference = bench.scale.reference_tension_n
+    reference *= 1.0 if bench.is_of_paper else bench.scale.tension
+    least = LEAST_TENSION * reference if "tension_n" in bench.given else reference
     return state._replace(
         tension_n=np.maximum(tension, least),
-        pulley_friction_n=coulomb_friction(law, 1.0, REFERENCE_WRAP_ANGLE_DEG, middle),
+        pulley_friction_n=coulomb_friction(law, 1.0, REFERENCE_WRAP_ANGLE_DEG, reference),
         covariates=covariates,
         direction=covariates.get(DIRECTION, 0.0),
     )
 
 
 def _column(bench: Bench, table: pd.DataFrame, name: str) -> Array:
-    """Return a column of a condition; what nobody recorded stands for none."""
+    """Return a column of a condition, or its default if it was not recorded."""
     if name in bench.given:
         return table[name].to_numpy(dtype=np.float64)
     return np.full(len(table), ABSENT[name])
 
 
 def covariates_of(bench: Bench, asked: pd.DataFrame | None = None) -> dict[str, Array]:
-    """Return what else varied, by the column's name; ``direction`` where it went both ways."""
+    """Return covariates that varied, by name; with ``direction`` if motion has both directions."""
     table = bench.table if asked is None else asked
     covariates = {
         name: table[name].to_numpy(dtype=np.float64)
@@ -68,7 +69,7 @@ def covariates_of(bench: Bench, asked: pd.DataFrame | None = None) -> dict[str, 
 
 
 def supported(bench: Bench, effect: Effect, law: Coefficients) -> Unsupported | None:
-    """Return why an effect cannot enter the likelihood; None where it can."""
+    """Return why the likelihood cannot contain an effect; None if it can."""
     if effect.acts_on not in ("friction", "drive"):
         return NO_SENSOR
     if effect.components:

@@ -1,8 +1,9 @@
-"""Steady points, simulated: the mirror of :mod:`.likelihood`.
+"""Simulation of steady points, with the model of :mod:`bayesfric.observation.readings`.
 
-Medium pulleys, assembled for each number and wrap angle, run both ways at some tensions and
-speeds. A reading is the law's friction, and what effects add to it, times 1 + η + ε of its
-assembly and its own, what acts on the drive, and an error with a known standard error.
+Assemblies of medium pulleys, with several numbers and wrap angles, run in both directions at
+several tensions and speeds. A reading is a sum of three terms. The first is friction, of the law
+and of effects on it, times 1 + η + ε with the deviations of the assembly and of the reading. The
+others are effects on the drive, and an error with a known standard error.
 """
 
 from itertools import product
@@ -28,8 +29,8 @@ ERROR_N = 0.005
 SIZE = "medium"
 
 
-def lay_points(rng: np.random.Generator) -> pd.DataFrame:
-    """Lay the points of every assembly, in an order drawn assembly by assembly."""
+def points_in_random_order(rng: np.random.Generator) -> pd.DataFrame:
+    """Return a table of points, with assemblies, and the points of each, in random order."""
     rows = []
     for setup in rng.permutation(len(CELLS)):
         n, wrap = CELLS[setup]
@@ -58,11 +59,14 @@ def _friction(table: pd.DataFrame, truth: Truth) -> Array:
 
 
 def change(effect: Effect, constants: RigConstants, truth: Truth) -> Change | None:
-    """Return how an effect changes the friction of each point, as a share of it."""
+    """Return a function that computes the relative change of each point's friction by an effect.
+
+    The result is None for effects that points cannot show.
+    """
     del constants
     if effect.acts_on not in ("friction", "drive") or effect.components:
         return None
-    table = lay_points(np.random.default_rng(0))
+    table = points_in_random_order(np.random.default_rng(0))
     state, friction = _state(table, truth), _friction(table, truth)
 
     def changed(applied: AppliedEffect) -> Array:
@@ -72,11 +76,11 @@ def change(effect: Effect, constants: RigConstants, truth: Truth) -> Change | No
 
 
 def simulate(constants: RigConstants, truth: Truth, seed: int) -> Simulated:
-    """Return the table of points."""
+    """Return a simulated table of points."""
     del constants
     streams = np.random.SeedSequence(seed).spawn(4)
     lay, scatter, noise, phases = (np.random.default_rng(child) for child in streams)
-    table = lay_points(lay)
+    table = points_in_random_order(lay)
     state = _state(table, truth)
     acting = draw_phases(truth, len(table), 1, phases)
     setup = pd.factorize(table["setup"])[0]

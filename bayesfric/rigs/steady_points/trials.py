@@ -1,4 +1,4 @@
-"""Points that enter, and what kind of rig they are of."""
+"""The points of a bench that are used in a fit or a diagnosis."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -25,15 +25,11 @@ from bayesfric.rigs.steady_points.places import (
     supported,
 )
 
-WARMTH = "warmth"  # what an effect of temperature needs
-IN_ORDER = "wear-drift"  # the effect that goes by the order of the points
-
-
-LEVELS = 5  # of a column
-MOST_POINTS = 3000  # points; beyond, of each column its ends and its middle
-FEW_LEVELS = 3
-
-
+WARMTH = "warmth"  # the quantity that an effect of temperature needs
+IN_ORDER = "wear-drift"  # the effect that depends on the order of the points
+LEVELS = 5  # planned values of each column
+FEW_LEVELS = 3  # planned values of each column if there would be more than MOST_POINTS points
+MOST_POINTS = 3000
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
 VISCOUS_IS_AN_EFFECT = Unsupported("Here viscous friction is an effect, which is diagnosed.")
 NO_TENSION = Unsupported("No tension_n was recorded to which friction could be proportional.")
@@ -41,7 +37,7 @@ NO_TENSION = Unsupported("No tension_n was recorded to which friction could be p
 
 @dataclass(frozen=True)
 class SteadyTrials(ReadingTrials):
-    """Points that enter.
+    """Points that are used.
 
     Parameters
     ----------
@@ -50,11 +46,11 @@ class SteadyTrials(ReadingTrials):
     bench : Bench
         The points.
     recorded : DataFrame
-        All points as recorded; their id is ``trial``.
+        All recorded points; their identifiers are in ``trial``.
     law : FrictionLaw
-        Around which a diagnosis makes them linear.
+        Law around which a diagnosis linearises.
     settings : tuple of str
-        Of points that are laid out: columns that make a condition, beside the tension.
+        For planned points: further columns that define a condition, in addition to the tension.
     """
 
     rig: Rig
@@ -65,31 +61,31 @@ class SteadyTrials(ReadingTrials):
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """One row a point; its id is ``trial``."""
+        """One row for each point; its identifier is ``trial``."""
         return self.bench.table
 
     @cached_property
     def loads(self) -> tuple[str, ...]:
-        """The tension, where it was recorded."""
+        """The tension, if it was recorded, and :attr:`settings`."""
         return (*(("tension_n",) if "tension_n" in self.bench.given else ()), *self.settings)
 
     @property
     def has_pulleys(self) -> bool:
-        """Whether anything is said of pulleys."""
+        """Whether a column about pulleys was recorded."""
         return self.bench.has_pulleys
 
     def select(self, keep: "pd.Series[bool]") -> "SteadyTrials | None":
-        """Return the points of a mask over the table; None without any."""
+        """Return the points that a mask over the table selects; None if it selects none."""
         table = self.table[keep].reset_index(drop=True)
         return replace(self, bench=replace(self.bench, table=table)) if len(table) else None
 
     def supports(self, effect: Effect) -> Unsupported | None:
-        """Return why an effect cannot enter the likelihood; None where it can."""
+        """Return why the likelihood cannot contain an effect; None if it can."""
         ones = np.ones(len(self.table))
         return supported(self.bench, effect, Coefficients(ones, ones, 0 * ones))
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
-        """Return why a friction law makes no sense here; None where it does."""
+        """Return why a friction law does not apply to these points; None if it does."""
         if law.name in OF_AXES:
             return VISCOUS_IS_AN_EFFECT
         if law.name == "recursive" and not self.bench.has_pulleys:
@@ -99,36 +95,36 @@ class SteadyTrials(ReadingTrials):
 
     @property
     def offers(self) -> frozenset[str]:
-        """Loads as pulleys have them, and the covariates that were recorded."""
+        """Quantities of pulleys, recorded covariates, and possibly unrecorded warmth."""
         recorded = PULLEYS | {NO_OFFSET} | frozenset(covariates_of(self.bench))
-        return recorded | ({WARMTH} if warms_unseen(self.bench) else set())
+        return recorded | ({WARMTH} if may_warm_unrecorded(self.bench) else set())
 
     @property
     def asked(self) -> tuple[str, ...]:
-        """What was recorded of a condition, covariates that varied among it."""
+        """Recorded columns of a condition, with covariates that varied."""
         varied = [name for name in covariates_of(self.bench) if name in self.bench.covariates]
         names = ("pulley_size", *CONDITION, "velocity_m_s")
         return (*(name for name in names if name in self.bench.given), *varied)
 
     def at(self, conditions: pd.DataFrame, law: Coefficients) -> State | Unsupported:
-        """Return where points at some conditions would be, by a law."""
+        """Return the states of points in given conditions, by a law."""
         return state_of(self.bench, law, conditions)
 
     @property
     def unit(self) -> str:
-        """Newton, or newton metre where it turns."""
+        """Unit of forces: N, or N·m for a rotary machine."""
         return self.bench.force_unit
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
-        """Return priors that are as wide as the readings are large, of unknown sizes."""
+        """Priors of sizes that the paper does not have, whose widths follow from the readings."""
         return self.bench.priors()
 
     def suited(self, effect: Effect) -> Effect:
-        """Return an effect in proportion to the machine, unless it has the paper's pulleys."""
+        """Return an effect scaled to the machine, unless its pulleys are those of the paper."""
         bench = self.bench
         if WARMTH in effect.needs:
-            effect = over_the_points(effect)
+            effect = in_order_of_points(effect)
         if bench.is_of_paper or effect.acts_on not in ("friction", "drive"):
             return effect
         return bench.scale.adapted(effect, rotary=bench.rotary)
@@ -147,46 +143,46 @@ class SteadyTrials(ReadingTrials):
             bench.coefficients_without(),
             bench.shared,
             bench.force_unit,
-            # Two directions leave a smooth force nothing that an effect of them does not say.
+            # Any difference between two directions is an effect of direction, not a smooth force.
             {name: at for name, at in covariates_of(bench).items() if name != DIRECTION},
         )
 
     @property
     def recorded_columns(self) -> tuple[str, ...]:
-        """What was recorded: where there is no pulley, none is spoken of."""
+        """Recorded columns of a condition, which figures show."""
         names = ("pulley_size", *CONDITION, "velocity_m_s", *self.bench.covariates)
         return tuple(name for name in names if name in self.bench.given)
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "SteadyTrials":
-        """Return a point at every feasible condition; see :func:`next_points`."""
-        bench, settings = lay_out(self.bench, self.law, laws)
+        """Return a point in every feasible condition; see :func:`feasible_points`."""
+        bench, settings = feasible_points(self.bench, self.law, laws)
         return replace(self, bench=bench, settings=settings)
 
     def quality(self) -> Mapping[str, Any]:
-        """Return how many points enter."""
+        """Return the number of points."""
         return {"points": len(self.table)}
 
 
-def lay_out(
+def feasible_points(
     bench: Bench, law: FrictionLaw, laws: Mapping[str, Coefficients]
 ) -> tuple[Bench, tuple[str, ...]]:
-    """Return a point at every feasible condition, each on an assembly of its own.
+    """Return a point in every feasible condition, each on an assembly of its own.
 
     Parameters
     ----------
     bench : Bench
-        What was recorded.
+        The recorded points.
     law : FrictionLaw
-        The friction law, which says what is read.
+        The friction law, from which the readings follow.
     laws : mapping of str to Coefficients
-        Of each pulley size.
+        Coefficients of each pulley size.
 
     Returns
     -------
     bench : Bench
-        The points.
+        The planned points.
     settings : tuple of str
-        Columns that make a condition, beside pulleys and tension.
+        Columns that define a condition, in addition to pulleys and tension.
     """
     table = bench.table
     settings = tuple(
@@ -212,22 +208,22 @@ def lay_out(
     return replace(bench, table=points), settings
 
 
-def warms_unseen(bench: Bench) -> bool:
-    """Return whether grease may warm up of which nobody wrote a temperature down."""
+def may_warm_unrecorded(bench: Bench) -> bool:
+    """Return whether the machine may warm up, without a recorded temperature."""
     return not bench.has_pulleys and not any("temp" in name.lower() for name in bench.covariates)
 
 
-def over_the_points(effect: Effect) -> Effect:
-    """Return an effect of warmth by the order of the points, with a rate at which it dies out.
+def in_order_of_points(effect: Effect) -> Effect:
+    """Return an effect of warmth as a function of the order of the points.
 
-    A machine that runs gets warm, fast at first, until it loses as much heat as friction makes.
-    Point by point that is what surfaces do that settle: without a temperature the two are one,
-    and what is said of one holds for the other.
+    A running machine warms up, fast at first, until it loses as much heat as friction produces.
+    Running-in of surfaces has the same course over the points. Without a temperature the two
+    cannot be distinguished, so the effect gets the laws of :data:`IN_ORDER`.
 
     Parameters
     ----------
     effect : Effect
-        Which changes friction by a share of itself.
+        An effect that changes friction by a share of itself.
     """
     in_order = all_effects(None)[IN_ORDER]
     return replace(effect, laws=in_order.laws, shape=in_order.shape, edge=in_order.edge)
