@@ -54,7 +54,7 @@ def without_answers(log: EvenLog, half: int, limit: float) -> EvenLog:
     return replace(log, force=log.force - np.where(np.abs(log.force) < limit, answered, 0.0))
 
 
-def goes_to_and_fro(differences: Array) -> bool:
+def are_sample_errors(differences: Array) -> bool:
     """Return whether positions, differenced :data:`DIFFERENCED` times, are errors of samples."""
     return bool(differences[1:] @ differences[:-1] < -TO_AND_FRO * (differences @ differences))
 
@@ -67,7 +67,7 @@ def shaken_by_counts(log: EvenLog) -> float:
     """
     force, position = (np.diff(values, DIFFERENCED) for values in (log.force, log.position))
     size = float(np.linalg.norm(force) * np.linalg.norm(position))
-    return float(force @ position) / size if size > 0 and goes_to_and_fro(position) else 0.0
+    return float(force @ position) / size if size > 0 and are_sample_errors(position) else 0.0
 
 
 class _Answer(NamedTuple):
@@ -90,7 +90,7 @@ def _answer(log: EvenLog, errors: Array, wide: int) -> _Answer | None:
         return None
     force, position = (np.diff(values, DIFFERENCED) for values in (log.force, log.position))
     scale, whole = float(np.abs(position).max()), float(force[TAPS - 1 :] @ force[TAPS - 1 :])
-    if scale == 0 or whole == 0 or not goes_to_and_fro(position):
+    if scale == 0 or whole == 0 or not are_sample_errors(position):
         return None
     if 1 - _answered_with(0.0, position / scale, force, 0)[1] / whole <= AXIS_RULES.answers:
         return None

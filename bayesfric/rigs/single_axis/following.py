@@ -105,7 +105,7 @@ class DrivePath:
         return np.stack([way * late, way * rubbed - 1])
 
 
-class Followed:
+class LoadMotions:
     """Loads behind the drive of some runs, each followed once.
 
     Parameters
@@ -118,7 +118,7 @@ class Followed:
         self._paths = tuple(part for path in paths for part in path.parts())
         self._kept: dict[tuple[object, ...], dict[float, Array]] = {}
 
-    def thinned(self, most: int) -> tuple["Followed", Whole]:
+    def thinned(self, most: int) -> tuple["LoadMotions", Whole]:
         """Return paths of about as many samples at most, evenly among all, and their windows.
 
         Parameters
@@ -128,7 +128,7 @@ class Followed:
 
         Returns
         -------
-        followed : Followed
+        followed : LoadMotions
             Along these paths.
         rows : ndarray of int, shape (V,)
             Their windows among all windows, ascending.
@@ -138,7 +138,7 @@ class Followed:
         ends = np.cumsum([0, *(path.centres.size for path in self._paths)])
         chosen = range(0, len(self._paths), every)
         rows = np.concatenate([np.arange(ends[place], ends[place + 1]) for place in chosen])
-        return self if every == 1 else Followed(self._paths[::every]), rows
+        return self if every == 1 else LoadMotions(self._paths[::every]), rows
 
     def load(self, rows: Whole, slows: float, lengths: Mapping[str, Array], damping: float) -> Load:
         """Return how a load moves in some rows.

@@ -88,10 +88,10 @@ def with_lengths(
 
 def _thinned(readings: Readings) -> Readings:
     """Return rows along some of the paths, which have about :data:`MOST` samples in all."""
-    followed, there = readings.followed.thinned(MOST)
+    motions, there = readings.load_motions.thinned(MOST)
     rows = np.flatnonzero(np.isin(readings.place, there))
     place = np.searchsorted(there, readings.place[rows])
-    return replace(readings.at(rows), place=place, followed=followed)
+    return replace(readings.at(rows), place=place, load_motions=motions)
 
 
 class _OwnShares(NamedTuple):
@@ -182,7 +182,7 @@ class _Rows(NamedTuple):
         heavy, near, damped = (values.ravel() for values in np.meshgrid(shares, lengths, dampings))
         mass = self.measures.mass + self.readings.known_inertia
         friction = self.measures.friction
-        moved = self.readings.followed.side_by_side(
+        moved = self.readings.load_motions.side_by_side(
             "spring", friction / mass, heavy, near / heavy, damped
         )
         late, lost = moved[:, self.readings.place[self.inside]]

@@ -95,7 +95,7 @@ class Measures:
         """Return how a load follows in some rows."""
         lengths = {held: self.stroke * shares for held, shares in LENGTHS.items()}
         slows = self.friction / (self.mass + rows.known_inertia)
-        return rows.followed.load(rows.place, slows, {**lengths, **self.lengths}, self.damping)
+        return rows.load_motions.load(rows.place, slows, {**lengths, **self.lengths}, self.damping)
 
     def unit(self, unit: str) -> str:
         """Return a unit as it is here: radians for metres where the axis turns, and over K."""

@@ -10,14 +10,14 @@ from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import Mixing, leading, rough_amounts
 from bayesfric.rigs.single_axis.even_log import EvenLog, given, sample_noise
-from bayesfric.rigs.single_axis.following import DrivePath, Followed
+from bayesfric.rigs.single_axis.following import DrivePath, LoadMotions
 from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.rough import SINGULAR, RoughLaw, pull_columns, rough_law
 from bayesfric.rigs.single_axis.run_rows import rows_of_run
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 from bayesfric.rigs.single_axis.windows import half_samples, late_by, position_sd, window_width
 
-FOLLOWED = 12  # samples in half a window, of the path along which loads are followed
+SAMPLES_PER_HALF = 12  # samples in half a window, of the path along which loads are followed
 SPARSE = 24  # windows, below which they lie closer: their errors hang together the more
 CLOSER = 0.5
 PIECE = 16  # rows of a stretch whose friction wanders as one
@@ -70,7 +70,7 @@ class Readings:
         Means of forces that may be there in amounts N(0, 1), times the direction.
     place : ndarray of int, shape (W,)
         Of the row among all of `followed`.
-    followed : Followed
+    followed : LoadMotions
         Loads behind the drive, along the paths of the runs.
     position_sd, force_sd, half_s, hop : float
         Standard deviations of the errors that a position, and a force, has of its own; half a
@@ -109,7 +109,7 @@ class Readings:
     simulated: Array
     beside: Array
     place: Whole
-    followed: Followed
+    load_motions: LoadMotions
     position_sd: float
     force_sd: float
     half_s: float
@@ -256,7 +256,7 @@ def readings_of(
     return Readings(
         **whole,
         **joined,
-        followed=Followed(paths),
+        load_motions=LoadMotions(paths),
         position_sd=noise,
         force_sd=float(np.median([sample_noise(log.force) for log in logs])),
         half_s=half_s,
@@ -352,7 +352,7 @@ def _drive_path(
 
     Where a window has many samples, every few of them tell the path as well.
     """
-    every = test.half // FOLLOWED
+    every = test.half // SAMPLES_PER_HALF
     if every < 2:
         return DrivePath(path, interval_s, test, centres, way)
     fewer = test_function(test.half // every, every * interval_s)

@@ -113,7 +113,7 @@ class Guide:
         return self.mass * (self.rate**2 * behind + 2 * self.rate * slower)
 
     @property
-    def followed(self) -> Flags:
+    def is_following(self) -> Flags:
         """Return where the guided axis follows: not right after the start or a reversal, (N,)."""
         long = int(np.ceil(SETTLING / self.rate / self.interval_s))
         is_followed = np.ones(self.velocity.size, dtype=np.bool_)
@@ -275,7 +275,7 @@ def linearised(
     for left in reversed(range(rounds)):
         forces = _needed(calls, runs, guides, theta, steps)
         stepped = [
-            replace(log, forces=own, further={}, is_known=log.is_known & guide.followed)
+            replace(log, forces=own, further={}, is_known=log.is_known & guide.is_following)
             for log, own, guide in zip(logs, forces, guides, strict=True)
         ]
         at_steps = readings(stepped)
@@ -335,7 +335,7 @@ def _check_pull(
     at = tuple(float(value) for value in theta)
     pushed = replace(run, force_n=run.force_n + force)
     plain, less = calls.pulled([Task(run, at, guide), Task(pushed, at, guide)])
-    counted = float(np.median((plain - less)[guide.followed])) / force
+    counted = float(np.median((plain - less)[guide.is_following])) / force
     if abs(counted - 1) > ANSWERED:
         expected = (
             "extra_force(t, q, v), at the time, the position and the velocity of the simulated "
