@@ -29,7 +29,8 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import Parameter, from_normal
 from bayesfric.recording.held import held_for, position_held_for, released
 from bayesfric.recording.tables import RigConstants
-from bayesfric.rigs.single_axis.even_log import EvenLog, clipped, even_grid, smooth_motion
+from bayesfric.rigs.single_axis.even_log import EvenLog, even_grid, smooth_motion
+from bayesfric.rigs.single_axis.force_faults import clipped
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.servo_log import commanded, force_of_commands
