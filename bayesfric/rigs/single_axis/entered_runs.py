@@ -312,12 +312,12 @@ class EnteredRuns(RigTrials):
             return {"mass": self.servo.no_inertia} if too_slow else {}
         if self._moved_otherwise is not None:
             return dict.fromkeys(("mass", "coulomb", "viscous"), self._moved_otherwise.advice)
-        return {"mass": LIKE_A_PULL} if self._pulled_alike else {}
+        return {"mass": LIKE_A_PULL} if self._pull_explains_inertia else {}
 
     @cached_property
-    def _pulled_alike(self) -> bool:
+    def _pull_explains_inertia(self) -> bool:
         """Whether a force of the position explains the inertia too, given errors of positions."""
-        own = self.readings.acceleration_of_its_own
+        own = self.readings.independent_acceleration_share
         pulled = self.measures.rotary and self.measures.pull > 0
         return pulled and own < AXIS_RULES.acceleration_shows
 

@@ -60,12 +60,12 @@ def with_lengths(
     lengths, untold = {}, set()
     for held, effect in by_held.items():
         tried = measures.stroke * LENGTHS[held]
-        takes, best = rows.strongest(effect, tried, measures)
+        reduction, best = rows.strongest(effect, tried, measures)
         longest = best == tried[-1]
         if held == "spring":
             middling = np.array([measures.damping])
             own = rows.own_shares(effect, OWN, best * NEAR, middling)
-            if own.takes > AXIS_RULES.own_length * takes:
+            if own.reduction > AXIS_RULES.own_length * reduction:
                 best, measures = own.length, replace(measures, mass_over_friction=own.heavy)
                 longest = False
         if longest or best < AXIS_RULES.least_length * readings.position_sd:
@@ -103,7 +103,7 @@ class _OwnShares(NamedTuple):
 
     Parameters
     ----------
-    takes : float
+    reduction : float
         Reduction of the residual sum of squares.
     heavy : float
         Ratio of its share of the mass to its share of the friction.
@@ -113,7 +113,7 @@ class _OwnShares(NamedTuple):
         Damping ratio.
     """
 
-    takes: float
+    reduction: float
     heavy: float
     length: float
     damping: float
@@ -177,16 +177,16 @@ class _Rows(NamedTuple):
         nobody = np.zeros(len(self.table), dtype=np.bool_)
         state = state_of(self.readings, law, self.table, nobody, measures, self.constants)
 
-        def takes(length: float) -> float:
+        def reduction(length: float) -> float:
             columns = [
                 _column(effect, name, length, state, self.readings)[self.inside]
                 for name in effect.laws
             ]
-            return float(self.taken(np.stack(columns, axis=1), effect).max())
+            return float(self.reductions(np.stack(columns, axis=1), effect).max())
 
-        return max((takes(float(length)), float(length)) for length in lengths)
+        return max((reduction(float(length)), float(length)) for length in lengths)
 
-    def taken(self, columns: Array, effect: Effect) -> Array:
+    def reductions(self, columns: Array, effect: Effect) -> Array:
         """Return by how much each of K columns reduces the residual sum of squares, (K,).
 
         Amplitudes are not negative, and are regularised by the width of the effect's prior.
@@ -213,9 +213,9 @@ class _Rows(NamedTuple):
             "spring", friction / mass, heavy, near / heavy, damped
         )
         late, lost = moved[:, self.readings.place[self.inside]]
-        takes = self.taken(heavy * mass * late + friction * lost, spring)
-        best = int(np.argmax(takes))
-        return _OwnShares(*(float(values[best]) for values in (takes, heavy, near, damped)))
+        reduction = self.reductions(heavy * mass * late + friction * lost, spring)
+        best = int(np.argmax(reduction))
+        return _OwnShares(*(float(values[best]) for values in (reduction, heavy, near, damped)))
 
 
 def _column(effect: Effect, law: str, length: float, state: State, readings: Readings) -> Array:

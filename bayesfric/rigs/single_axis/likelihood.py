@@ -125,7 +125,7 @@ class AxisModel(ExactModel):
         weighted = solved.times(whole)
         grams = np.stack([whole[i:j].T @ weighted[i:j] for i, j in pairwise(ends)])
         self._amounts = Amounts.of(integrated(grams, variance)[0].sum(axis=0))
-        data = np.column_stack([uneven, self._amounts.taken_off(data)])
+        data = np.column_stack([uneven, self._amounts.without_modes(data)])
         table = []
         for ratio in RATIOS:
             # Errors have the scale of the mode, and the wander is exp(ratio) in typical units.

@@ -83,8 +83,8 @@ class AxisPart(ColumnsPart):
         self._root = np.sqrt(row_weights(rows, model, readings.count))
         self._pieces = Pieces.of(readings, rows.moved_mass, moved, rows.law.viscous)
         # The scatter of a single group cannot be separated from the law.
-        again = bool(1 < self._alike.max() + 1 < len(rows.table))
-        self.noise = _noise(readings, rows.stroke, force, again, self._longest_s)
+        is_repeated = bool(1 < self._alike.max() + 1 < len(rows.table))
+        self.noise = _noise(readings, rows.stroke, force, is_repeated, self._longest_s)
 
     def evaluate(
         self,
@@ -104,11 +104,11 @@ class AxisPart(ColumnsPart):
         root = kept * self._root
         z = np.column_stack([self._deviating, x, self._response]) * root[:, None]
         solved = self._pieces.solved(*(noise[name] for name in NAMES[:4]))
-        lent = solved.times(z)
+        weighted = solved.times(z)
         ends = [*np.flatnonzero(np.diff(trial, prepend=-1)), trial.size]
         runs = [slice(start, stop) for start, stop in pairwise(ends)]
-        grams = np.stack([z[rows, :COLUMNS].T @ lent[rows] for rows in runs])
-        others = z[:, COLUMNS:].T @ lent[:, COLUMNS:]
+        grams = np.stack([z[rows, :COLUMNS].T @ weighted[rows] for rows in runs])
+        others = z[:, COLUMNS:].T @ weighted[:, COLUMNS:]
         levels, (spectrum, by_length, by_decay), (in_time, by_time) = self._levels(noise)
         shared = Shared(grams, others, self._alike, levels)
         k = x.shape[1]
@@ -127,8 +127,8 @@ class AxisPart(ColumnsPart):
             mixed[:k, 1:] = root_of(0.5 * (v + v.T))
             run, setup, run_map, machine_map, slow = shared.moments(mixed)
             numbers, inverse = shared.of_rows()
-            pulled = lent[:, :COLUMNS]
-            pulls = lent[:, COLUMNS:] @ mixed
+            pulled = weighted[:, :COLUMNS]
+            pulls = weighted[:, COLUMNS:] @ mixed
             for rows, of_run in zip(runs, numbers @ mixed, strict=True):
                 pulls[rows] -= pulled[rows] @ of_run
             slopes = solved.gradient(pulls, pulled, inverse, trial, kept)
@@ -164,7 +164,7 @@ class AxisPart(ColumnsPart):
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return the information matrix of each trial alone, (N, q, q)."""
         z = np.column_stack([self._deviating, self.columns]) * self._root[:, None]
-        lent = self._pieces.solved(*(noise[name] for name in NAMES[:4])).times(z)
+        weighted = self._pieces.solved(*(noise[name] for name in NAMES[:4])).times(z)
         trial = self.rows.readings.trial
         levels, *_ = self._levels(noise)
         both = levels.run_map + levels.machine_map
@@ -172,7 +172,7 @@ class AxisPart(ColumnsPart):
         first = np.zeros(1, dtype=np.intp)
 
         def of_trial(rows: Flags) -> Array:
-            grams = z[rows].T @ lent[rows]
+            grams = z[rows].T @ weighted[rows]
             others = grams[COLUMNS:, COLUMNS:]
             return Shared(grams[None, :COLUMNS], others, first, alone).rest
 
@@ -230,14 +230,14 @@ class AxisPart(ColumnsPart):
 
 
 def _noise(
-    readings: Readings, stroke: float, friction: float, again: bool, longest_s: float
+    readings: Readings, stroke: float, friction: float, is_repeated: bool, longest_s: float
 ) -> tuple[NoiseParameter, ...]:
     """Return the noise parameters of an axis, with priors in the axis' own scales.
 
     If the error of a force exceeds friction, the scale of its prior is estimated from the samples.
-    If no assembly and no run is repeated (`again` is false), scatter between assemblies cannot be
-    separated from scatter between runs and gets a narrow prior: two wide priors on one variance
-    would explain a drift over runs as scatter.
+    If no assembly and no run is repeated (`is_repeated` is false), scatter between assemblies
+    cannot be separated from scatter between runs and gets a narrow prior: two wide priors on one
+    variance would explain a drift over runs as scatter.
     """
     sd, force = readings.position_sd, max(friction, readings.force_sd)
     wide, along = HalfNormal(scale=0.05), HalfNormal(scale=0.02)
@@ -261,8 +261,8 @@ def _noise(
         noise_parameter(NAMES[4], wide, 0.012, SCATTER, 0.01, scatters=True),
         noise_parameter(
             NAMES[5],
-            wide if again else ONCE,
-            0.012 if again else 0.001,
+            wide if is_repeated else ONCE,
+            0.012 if is_repeated else 0.001,
             SCATTER,
             0.015,
             scatters=True,

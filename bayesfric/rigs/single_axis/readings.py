@@ -155,23 +155,23 @@ class Readings:
         return np.asarray(moved + self.held_lag @ by_number)
 
     @property
-    def acceleration_of_its_own(self) -> float:
+    def independent_acceleration_share(self) -> float:
         """Share of the independent acceleration's mean square that is not due to position errors.
 
         The independent acceleration is its residual after regression on a constant, speed,
         direction and the force of a weight on a lever.
         """
-        square = self._square_of_its_own
+        square = self._independent_square
         return 1 - self.acceleration_sd**2 / square if square > 0 else 0.0
 
     @property
     def swings_alike(self) -> bool:
         """Whether position, direction and speed explain the acceleration, as if a joint swings."""
         whole = float(np.mean(self.acceleration**2))
-        return bool(self._square_of_its_own < AXIS_RULES.like_a_curve * whole)
+        return bool(self._independent_square < AXIS_RULES.like_a_curve * whole)
 
     @property
-    def _square_of_its_own(self) -> float:
+    def _independent_square(self) -> float:
         place, speed = self.position @ self.weights, self.speed @ self.weights
         ones = np.ones(self.count)
         pulls = self.way[:, None] * np.column_stack([ones, np.sin(place), np.cos(place)])
@@ -257,7 +257,7 @@ def readings_of(
         return None
     whole: dict[str, Any] = {name: joined.pop(name).astype(np.intp) for name in ("trial", "piece")}
     whole["place"] = np.arange(joined["way"].size)
-    joined["beside"], mixing = leading(_parted(joined, logs[0]), joined["force"])
+    joined["beside"], mixing = leading(_with_split_error(joined, logs[0]), joined["force"])
     return Readings(
         **whole,
         **joined,
@@ -298,7 +298,7 @@ def _joined(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def _parted(joined: dict[str, Array], log: EvenLog) -> Array:
+def _with_split_error(joined: dict[str, Array], log: EvenLog) -> Array:
     """Return forces beside the law, with a known force's error in two columns and one of its clock.
 
     The relative error of a known force is split into the part that the law can imitate, and the

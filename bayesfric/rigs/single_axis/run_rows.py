@@ -19,7 +19,7 @@ from bayesfric.rigs.single_axis.weak_form import NODES, TestFunction, WeakForce,
 
 SMOOTHED = 4  # least samples on either side in the estimate of a speed
 LOCAL = 5  # samples over which squared jumps of the force are averaged
-UNHEARD = 1e-4  # negligible jumps, relative to the force's standard deviation
+NEGLIGIBLE = 1e-4  # largest jump that is ignored, relative to the force's standard deviation
 OFTEN = 0.2  # share of samples with a jump from which the force is not a few steps
 FAR = 10.0  # travel since a reversal before the log [strokes]
 A_MOMENT = 0.01  # share of a window during which motion in the other direction is tolerated
@@ -43,7 +43,7 @@ def rows_of_run(
     position, velocity, way = _motion(log, half, noise, stroke)
     travel, before = passes_of(position, way, FAR * stroke)
     dwell, since = rests_of(position, way, log.interval_s)
-    _forget_the_start(position, way, stroke)
+    _forget_start(position, way, stroke)
     centres = np.arange(half, log.time_s.size - half, step)
     # All samples of a window must have the same direction.
     runs = np.concatenate([[0.0], np.cumsum(way)])
@@ -51,7 +51,9 @@ def rows_of_run(
     if log.dithers is not None:
         one_way &= ~turns_back(log.dithers, test, centres)
     if log.sent is not None:
-        one_way &= ~turns_back(_stands(log.position, max(1, half // A_STOP), noise), test, centres)
+        one_way &= ~turns_back(
+            _may_rest(log.position, max(1, half // A_STOP), noise), test, centres
+        )
     place = np.flatnonzero(one_way)
     centres = centres[one_way]
     sign = way[centres]
@@ -82,8 +84,8 @@ def rows_of_run(
         # A drive clips peaks: a mean over more than the distance of the places would hide them.
         "drive": inside(scipy.ndimage.uniform_filter1d(log.force, 2 * (half // NODES) + 1)),
         "instruments": sign[:, None] * instruments_of(log, test, centres),
-        "simulated": _under(log.forces, test, centres, sign),
-        "beside": _under(log.beside, test, centres, sign),
+        "simulated": _means_of(log.forces, test, centres, sign),
+        "beside": _means_of(log.beside, test, centres, sign),
         "known_rate": _known_rate(log, test, centres, sign),
         **_forces(log, test, centres, sign, runs, late_s, limit),
         **_errors(log, test, centres, step),
@@ -103,7 +105,7 @@ def _speed_inside(log: EvenLog, test: TestFunction, centres: Whole, speed: Array
     return np.asarray(speed * (exact / np.where(mean > 0, mean, 1.0))[:, None])
 
 
-def _stands(position: Array, span: int, noise: float) -> Flags:
+def _may_rest(position: Array, span: int, noise: float) -> Flags:
     """Return the samples at which a servo may stand still for at least `span` samples, (N,).
 
     A command is held until the next one. A joint that has nearly reached it stops, and later
@@ -111,10 +113,10 @@ def _stands(position: Array, span: int, noise: float) -> Flags:
     friction of a joint at rest can have any value between its limits.
     """
     moved = np.abs(position[span:] - position[:-span]) > AXIS_RULES.sure_of_way * noise
-    stands = np.zeros(position.size, dtype=np.bool_)
+    may_rest = np.zeros(position.size, dtype=np.bool_)
     for shift in range(span + 1):
-        stands[shift : shift + moved.size] |= ~moved
-    return stands
+        may_rest[shift : shift + moved.size] |= ~moved
+    return may_rest
 
 
 def _motion(log: EvenLog, half: int, noise: float, stroke: float) -> tuple[Array, Array, Array]:
@@ -131,7 +133,7 @@ def _motion(log: EvenLog, half: int, noise: float, stroke: float) -> tuple[Array
     return position, velocity, way
 
 
-def _forget_the_start(position: Array, way: Array, stroke: float) -> None:
+def _forget_start(position: Array, way: Array, stroke: float) -> None:
     """Set the direction to 0 in the first samples, near the position where the log begins.
 
     Friction may depend on the last reversal, or on the direction in which the axis arrived at a
@@ -143,7 +145,9 @@ def _forget_the_start(position: Array, way: Array, stroke: float) -> None:
         way[near & (np.arange(way.size) < max(np.argmax(way > 0), np.argmax(way < 0)))] = 0.0
 
 
-def _under(forces: Sequence[WeakForce], test: TestFunction, centres: Whole, sign: Array) -> Array:
+def _means_of(
+    forces: Sequence[WeakForce], test: TestFunction, centres: Whole, sign: Array
+) -> Array:
     """Return the mean of each force in each window, along the motion, (W, K)."""
     means = [sign * force.over(test, centres) for force in forces]
     return np.reshape(means, (len(means), centres.size)).T
@@ -192,14 +196,16 @@ def _errors(log: EvenLog, test: TestFunction, centres: Whole, step: int) -> dict
     lags = range(0, 2 * test.half // step + 1)
     held = np.zeros((len(lags), 3))
     if log.stiffness:
-        held[:, 0] = _lagged(test.value, test.value, step, lags)
-        held[:, 1] = _lagged(test.slope, test.slope, step, lags)
-        held[:, 2] = 2 * _lagged(test.value, test.curvature, step, lags)
-    position = _lagged(test.curvature, test.curvature, step, lags)
+        held[:, 0] = _lag_products(test.value, test.value, step, lags)
+        held[:, 1] = _lag_products(test.slope, test.slope, step, lags)
+        held[:, 2] = 2 * _lag_products(test.value, test.curvature, step, lags)
+    position = _lag_products(test.curvature, test.curvature, step, lags)
     return {
         "position_lag": np.tile(position, (centres.size, 1)),
         "held_lag": np.tile(held, (centres.size, 1, 1)),
-        "force_lag": _locally(test.value, step, lags, _loudness(log.force), centres),
+        "force_lag": _varying_products(
+            test.value, step, lags, _relative_variance(log.force), centres
+        ),
     }
 
 
@@ -234,11 +240,11 @@ def turns_back(dithers: Flags, test: TestFunction, centres: Whole) -> Flags:
     return test.over(dithers.astype(np.float64), test.value, centres) > A_MOMENT
 
 
-def _lagged(kernel: Array, other: Array, step: int, lags: range) -> Array:
+def _lag_products(kernel: Array, other: Array, step: int, lags: range) -> Array:
     return np.array([kernel[lag * step :] @ other[: other.size - lag * step] for lag in lags])
 
 
-def _loudness(force: Array) -> Array:
+def _relative_variance(force: Array) -> Array:
     """Return the error variance of the force at each sample, relative to a smooth force, (N,).
 
     The log does not contain changes of the force between samples. They are large where the force
@@ -249,12 +255,14 @@ def _loudness(force: Array) -> Array:
     jump[1:-1] = np.diff(force, 2) ** 2
     local = scipy.ndimage.uniform_filter1d(jump, LOCAL)
     jumps = local > np.finfo(np.float64).eps * local.max(initial=0.0)  # a running sum has rounding
-    heard = local[jumps] if jumps.mean() > OFTEN else local
-    quiet = max(float(np.median(heard)), (UNHEARD * float(np.std(force))) ** 2)
+    jumping = local[jumps] if jumps.mean() > OFTEN else local
+    quiet = max(float(np.median(jumping)), (NEGLIGIBLE * float(np.std(force))) ** 2)
     return np.asarray(1 + local / (quiet or 1.0))
 
 
-def _locally(kernel: Array, step: int, lags: range, variance: Array, centres: Whole) -> Array:
+def _varying_products(
+    kernel: Array, step: int, lags: range, variance: Array, centres: Whole
+) -> Array:
     """Return covariances of windows by errors whose variance changes along the run, (W, L)."""
     around = sliding_window_view(variance, kernel.size)[centres - kernel.size // 2]
     products = np.zeros((kernel.size, len(lags)))
