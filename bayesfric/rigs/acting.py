@@ -1,4 +1,4 @@
-"""Effects as they act in a simulation: with the phases of each trial, and where."""
+"""Effects in a simulation: with the phases of each trial, and the state at which they act."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,21 +17,21 @@ from bayesfric.rigs.truth import AppliedEffect, Truth
 
 @dataclass(frozen=True)
 class PhasedEffect:
-    """An effect and the phases that nobody recorded.
+    """An effect with the unrecorded phases of its trials.
 
     Parameters
     ----------
     applied : AppliedEffect
-        With its numbers.
+        The effect with values of its parameters.
     phases : ndarray, shape (C, N) or (C, N, sensors), or None
-        Factor of each component in each trial; None without components.
+        Factor of each component in each trial; None if the effect has no components.
     """
 
     applied: AppliedEffect
     phases: Array | None = None
 
     def __call__(self, where: Any) -> Array:
-        """Return what the law gives, its components summed, of shape (N, …)."""
+        """Return the value of the effect's law at a state, summed over components, (N, …)."""
         value = np.asarray(self.applied(where), dtype=np.float64)
         if self.phases is None:
             return value
@@ -42,18 +42,18 @@ class PhasedEffect:
 def draw_phases(
     truth: Truth, rows: int, sensors: int, rng: np.random.Generator
 ) -> tuple[PhasedEffect, ...]:
-    """Return the effects of `truth` with N(0, 1) drawn for each component and row.
+    """Return the effects of `truth` with phases, drawn from N(0, 1) for each component and row.
 
     Parameters
     ----------
     truth : Truth
-        Holds the effects.
+        Contains the effects.
     rows : int
-        Trials or runs.
+        Number of trials or runs.
     sensors : int
-        Each has phases of its own where an effect acts on readings.
+        Number of sensors. An effect on readings has phases of its own for each.
     rng : Generator
-        For this alone.
+        Source of randomness for the phases alone.
     """
     acting = []
     for applied in truth.effects:
@@ -65,19 +65,19 @@ def draw_phases(
 
 
 def of_kind(acting: Sequence[PhasedEffect], kind: ActsOn) -> list[PhasedEffect]:
-    """Return those that act on one thing."""
+    """Return the effects that act on a given quantity, such as ``friction`` or ``reading``."""
     return [effect for effect in acting if effect.applied.effect.acts_on == kind]
 
 
 def total(acting: Sequence[PhasedEffect], where: Any) -> Any:
-    """Return the sum of what effects of one kind give; 0 without any."""
+    """Return the sum of the values of effects at a state; 0 without effects."""
     return sum((effect(where) for effect in acting), 0.0)
 
 
 def surroundings(table: pd.DataFrame, rig: RigConstants) -> dict[str, Any]:
-    """Return radius, place in the order, gravity and the like of trials or runs, fields of State.
+    """Return the fields of State that trials or runs have as a whole, such as radius or order.
 
-    Radius, order and individual wrap angles are nan where nobody wrote them down.
+    Radius, order and the spread of wrap angles are NaN if they were not recorded.
     """
     radius = {size: row.radius_m for size, row in table1().items()}
     radius |= {size: own.radius_m for size, own in rig.pulleys.items() if own.radius_m}
@@ -95,14 +95,14 @@ def surroundings(table: pd.DataFrame, rig: RigConstants) -> dict[str, Any]:
 
 
 def drive_end(table: pd.DataFrame) -> Array:
-    """Return which end carried the drive mass: −0.5 left, 0.5 right, 0 where nobody says."""
+    """Return the end that carried the drive mass: −0.5 left, 0.5 right, 0 if not recorded."""
     if "drive_end" not in table:
         return np.zeros(len(table))
     return np.asarray(table["drive_end"].map({"left": -0.5, "right": 0.5}).fillna(0.0), dtype=float)
 
 
 def trial_in_setup(table: pd.DataFrame) -> Array:
-    """Return how many trials of the same assembly went before, 0 without an order."""
+    """Return the number of earlier trials of the same assembly; 0 if no order was recorded."""
     if "order" not in table or "setup" not in table or table["order"].isna().any():
         return np.zeros(len(table))
     return np.asarray(table.groupby("setup")["order"].rank(), dtype=np.float64) - 1

@@ -13,21 +13,21 @@ from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.truth import AppliedEffect
 
 Change = Callable[[AppliedEffect], Array]
-"""An applied effect to its change relative to friction, shape (rows, times); of an effect
-with components one after another on a first axis."""
+"""Function that returns the change of friction by an applied effect, relative to friction, shape
+(rows, times). For an effect with components, its result has a further first axis for these."""
 
 
 def law_column(law: Coefficients) -> Coefficients:
-    """Return the law of each row as columns, to broadcast over times."""
+    """Return each row's law as columns, which broadcast over times."""
     return Coefficients(*(np.asarray(part)[:, None] for part in law))
 
 
 def around_rows(table: pd.DataFrame, constants: RigConstants) -> dict[str, Any]:
-    """Return what surrounds rows as columns, fields of State, to broadcast over times."""
+    """Return the fields of State of each row as columns, which broadcast over times."""
     around = surroundings(table, constants)
     return {name: np.reshape(value, (-1, 1)) for name, value in around.items()}
 
 
 def at_times(change: Array, shape: tuple[int, int]) -> Array:
-    """Return a change at every time, also where it does not depend on time."""
+    """Broadcast a change to all times."""
     return np.broadcast_to(change, (*np.shape(change)[:-2], *shape))

@@ -1,4 +1,4 @@
-"""The trials of all rigs that enter together."""
+"""The trials of all rigs that are analysed together."""
 
 from dataclasses import dataclass
 
@@ -7,12 +7,12 @@ from bayesfric.rigs.base import RigTrials
 
 @dataclass(frozen=True)
 class Data:
-    """Trials that enter a fit, a comparison or a diagnosis.
+    """Trials that are used in a fit, a comparison or a diagnosis.
 
     Parameters
     ----------
     rigs : tuple of RigTrials
-        One a rig, in the order of :func:`bayesfric.rigs.all_rigs`.
+        The trials of each rig, in the order of :func:`bayesfric.rigs.all_rigs`.
     """
 
     rigs: tuple[RigTrials, ...]
@@ -24,11 +24,11 @@ class Data:
 
     @property
     def unit(self) -> str:
-        """Of a force: that of the first rig."""
+        """Unit of forces: that of the first rig."""
         return self.rigs[0].unit
 
     def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
-        """Return name and unit of each coefficient of a size, as the first rig with it has them."""
+        """Return name and unit of each coefficient of a size, by the first rig that has it."""
         first = next(rig for rig in self.rigs if (rig.table["pulley_size"] == size).any())
         return first.law_numbers(size)
 

@@ -1,4 +1,4 @@
-"""How wrong a machine's model is: amounts of its links' errors, by one joint or by several."""
+"""Errors of a machine model's link parameters, estimated from the data of one or more joints."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,29 +10,29 @@ from bayesfric.arrays import Array
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import ModelError
 
-OFF_FROM_SD = 3.3  # standard deviations, from which on a number is off
-FELT = 0.1  # of a number's prior error, below which a change is not listed
-LEAST_SHARE_TAKEN = (
-    0.5  # of the variance that was believed, that data take at least of a number that is listed
-)
+OFF_FROM_SD = 3.3  # least significant error of a parameter [posterior sd]
+LEAST_CHANGE = 0.1  # least significant error of a parameter [prior sd]
+LEAST_VARIANCE_REDUCTION = 0.5  # least relative reduction of the prior variance, to be listed
 
 
 @dataclass(frozen=True)
 class ModelAmounts:
-    """A normal density of C amounts that were N(0, 1) before the data.
+    """A normal density of C amounts, whose priors are N(0, 1).
+
+    Errors of the model's P parameters are linear combinations of these amounts.
 
     Parameters
     ----------
     mean : ndarray, shape (C,)
-        Of the amounts.
+        Mean of the amounts.
     precision : ndarray, shape (C, C)
-        Inverse covariance.
+        Inverse covariance of the amounts.
     root : ndarray, shape (P, C)
-        By how much an amount of 1 moves each number of the model, in its unit.
+        Change of each parameter by an amount of 1, in the parameter's unit.
     numbers : ndarray, shape (P,)
-        Of the model as it stands.
+        Present values of the parameters in the model.
     names : tuple of (str, str, str)
-        Link, number and unit of each.
+        Link, name and unit of each parameter.
     """
 
     mean: Array
@@ -45,16 +45,16 @@ class ModelAmounts:
     def after_data(
         cls, mean: Array, covariance: Array, shares: Array, like: "ModelAmounts"
     ) -> "ModelAmounts":
-        """Return the amounts where K directions of them are known, and the rest is as before.
+        """Return the amounts after data that inform K directions of them.
 
         Parameters
         ----------
         mean, covariance : ndarray, shape (K,) and (K, K)
-            Of the directions.
+            Posterior mean and covariance of the amounts of the directions.
         shares : ndarray, shape (K, C)
             Orthonormal directions.
         like : ModelAmounts
-            Before the data.
+            The amounts before the data.
         """
         inverse = np.linalg.inv(covariance)
         precision = like.precision + shares.T @ (inverse - np.eye(len(mean))) @ shares
@@ -62,7 +62,7 @@ class ModelAmounts:
         return replace(like, mean=np.asarray(centre, dtype=np.float64), precision=precision)
 
     def and_of(self, other: "ModelAmounts") -> "ModelAmounts":
-        """Return the amounts given the independent data of two joints together."""
+        """Return the amounts given the independent data of both joints."""
         precision = self.precision + other.precision - np.eye(self.mean.size)
         pulled = self.precision @ self.mean + other.precision @ other.mean
         mean = np.asarray(np.linalg.solve(precision, pulled), dtype=np.float64)
@@ -70,12 +70,12 @@ class ModelAmounts:
 
 
 def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
-    """Return the errors of those of a model's numbers that the data inform, the surest first.
+    """Return the errors of the model's parameters that the data inform, the most certain first.
 
     Parameters
     ----------
     by_joint : sequence of ModelAmounts
-        Of the same model, a joint each; empty without one.
+        Amounts of the same model by the data of each joint; empty without a model.
     """
     if not by_joint:
         return ()
@@ -83,13 +83,13 @@ def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
     mean = amounts.root @ amounts.mean
     sd = np.sqrt(np.einsum("pc,pc->p", amounts.root, _solved(amounts)))
     before = np.sqrt(np.sum(amounts.root**2, axis=1))
-    listed = np.flatnonzero((before > 0) & (sd**2 < (1 - LEAST_SHARE_TAKEN) * before**2))
+    listed = np.flatnonzero((before > 0) & (sd**2 < (1 - LEAST_VARIANCE_REDUCTION) * before**2))
     ordered = sorted(listed, key=lambda place: -abs(mean[place]) / sd[place])
     errors = []
     for place in ordered:
         link, number, unit = amounts.names[place]
         centre, spread = float(mean[place]), float(sd[place])
-        off = abs(centre) > OFF_FROM_SD * spread and abs(centre) > FELT * before[place]
+        off = abs(centre) > OFF_FROM_SD * spread and abs(centre) > LEAST_CHANGE * before[place]
         errors.append(
             ModelError(
                 link=link,
@@ -105,5 +105,5 @@ def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
 
 
 def _solved(amounts: ModelAmounts) -> Array:
-    """Return the covariance of the amounts times each number's root, (P, C)."""
+    """Return each parameter's row of `root` times the covariance of the amounts, (P, C)."""
     return np.asarray(np.linalg.solve(amounts.precision, amounts.root.T).T)

@@ -1,4 +1,4 @@
-"""A law of the user's own, by which a recording is diagnosed."""
+"""A user's simulator as the law of a diagnosis."""
 
 from dataclasses import dataclass
 
@@ -8,16 +8,17 @@ from bayesfric.physics.laws import FrictionLaw
 
 @dataclass(frozen=True)
 class OwnLaw:
-    """A user's simulator in the place of a law, in a diagnosis.
+    """A user's simulator that replaces the law in a diagnosis.
 
     Parameters
     ----------
     law : FrictionLaw
-        By the simulator's name, without the coefficients that it has no parameter for.
+        Law with the simulator's name. It lacks the coefficients for which the simulator has no
+        parameter.
     parameters : tuple of Parameter
-        In the places of c1, c2 and c3.
+        Parameters of the simulator, which replace c1, c2 and c3 in this order.
     calls : int
-        Of the simulator; 0 of what it left in a recording.
+        Number of calls of the simulator; 0 if its forces are columns of the recording.
     """
 
     law: FrictionLaw

@@ -1,4 +1,4 @@
-"""What a fit is asked of a rig's trials, and what holds them at rest."""
+"""What a rig needs of a fit to predict its trials, and the force that a resting trial withstands."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Predictive:
-    """A fit, from which predictions are made.
+    """The parts of a fit from which a rig predicts its trials.
 
     Parameters
     ----------
     likelihood : RigLikelihood
-        Of the rig.
+        Likelihood of the rig.
     law : FrictionLaw
         The friction law of the fit.
     named : dict of str to ndarray, shape (W,)
         Posterior draws by parameter.
     factor : ndarray, shape (W, N)
-        Friction over that of the law, for new trials on new assemblies.
+        Ratio of friction to that of the law, for new trials on new assemblies.
     remade : Remade
-        New trials, and whole recordings made again.
+        Replicates of trials, and of whole recordings.
     rng : Generator
-        For further recordings made again.
+        Source of randomness for further replicates of recordings.
     """
 
     likelihood: RigLikelihood
@@ -43,20 +43,20 @@ class Predictive:
 
     @property
     def medians(self) -> dict[str, Array]:
-        """Of each parameter, of shape (1,)."""
+        """Posterior median of each parameter, shape (1,)."""
         return {name: np.median(draws, keepdims=True) for name, draws in self.named.items()}
 
 
 @dataclass(frozen=True)
 class Resting:
-    """What friction has to hold at rest.
+    """The load of a trial at rest.
 
     Parameters
     ----------
     tension_n : ndarray, shape (C,)
         Tension of the cable at rest [N].
     drive_n : ndarray, shape (C,)
-        Force that would move it [N].
+        Drive force, which friction at rest balances [N].
     """
 
     tension_n: Array

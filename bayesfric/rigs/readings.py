@@ -1,4 +1,4 @@
-"""Trials that are one reading of friction each, of which a rig says where they are."""
+"""Trials with a single reading of friction, whose conditions a rig defines."""
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
@@ -18,12 +18,12 @@ from bayesfric.rigs.residuals import beside_predicted
 
 
 class ReadingTrials(RigTrials):
-    """Trials of one reading of friction each; see :class:`bayesfric.rigs.base.RigTrials`.
+    """Trials with one reading of friction each; see :class:`bayesfric.rigs.base.RigTrials`.
 
     Attributes
     ----------
     law : FrictionLaw
-        Around which a diagnosis makes them linear.
+        The law around which a diagnosis linearises.
     """
 
     law: FrictionLaw = BASELINES["paper"]
@@ -34,14 +34,14 @@ class ReadingTrials(RigTrials):
 
     @property
     def recorded_columns(self) -> tuple[str, ...]:
-        """Columns of a condition that were recorded, which figures show."""
+        """The recorded columns of a condition, for figures."""
         names = ("pulley_size", *CONDITION, "velocity_m_s")
         return tuple(name for name in names if name in self.table)
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
     ) -> LinearReadings:
-        """Return the readings as rows of a linear model; nothing starts to move here."""
+        """Return the readings as rows of a linear model; acting effects do not change them."""
         del acting
         return self.readings(self.law).linear(laws)
 
@@ -51,12 +51,12 @@ class ReadingTrials(RigTrials):
         law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> ExactLikelihood:
-        """Return the density of the readings."""
+        """Return the likelihood of the readings under a law with the effects that it supports."""
         supported = [effect for effect in effects if self.supports(effect.effect) is None]
         return ExactLikelihood(ReadingsModel(self.readings(law), analysis, supported))
 
     def predicted(self, view: Predictive) -> xr.Dataset:
-        """Return friction as measured, and as predicted for a new reading."""
+        """Return the measured friction, and that predicted for a new reading."""
         assert isinstance(view.likelihood, ExactLikelihood)
         kept = ("setup", "friction_n", *self.recorded_columns)
         observed = {name: self.table[name].to_numpy() for name in kept}

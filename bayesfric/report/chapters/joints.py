@@ -8,7 +8,7 @@ from bayesfric.report.chapters.symbols import plus_minus
 from bayesfric.report.content import Block, Code, Heading, Paragraph, Table, prose
 from bayesfric.report.diagnosed import VERDICTS
 from bayesfric.report.quantities import THIN, format_number, format_unit
-from bayesfric.rigs.model_amounts import FELT, OFF_FROM_SD
+from bayesfric.rigs.model_amounts import LEAST_CHANGE, OFF_FROM_SD
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 
@@ -47,7 +47,7 @@ def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
             ],
             label="model-error",
             note="Median; ± is half the width of the 90 % interval. Clearly off: the error is "
-            f"above {OFF_FROM_SD:g} standard deviations, and above {FELT:g} of what is usual for a "
+            f"above {OFF_FROM_SD:g} standard deviations, and above {LEAST_CHANGE:g} of what is usual for a "
             "model.",
         )
     yield Paragraph(
