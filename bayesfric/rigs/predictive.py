@@ -1,4 +1,4 @@
-"""What a rig needs of a fit to predict its trials, and the force that a resting trial withstands."""
+"""The parts of a fit from which a rig predicts its trials, and the load of a trial at rest."""
 
 from __future__ import annotations
 

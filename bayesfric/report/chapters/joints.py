@@ -47,8 +47,8 @@ def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
             ],
             label="model-error",
             note="Median; ± is half the width of the 90 % interval. Clearly off: the error is "
-            f"above {OFF_FROM_SD:g} standard deviations, and above {LEAST_CHANGE:g} of what is usual for a "
-            "model.",
+            f"above {OFF_FROM_SD:g} standard deviations, and above {LEAST_CHANGE:g} of what is "
+            "usual for a model.",
         )
     yield Paragraph(
         prose(
