@@ -54,7 +54,7 @@ def without_a_difference(samples: pd.DataFrame) -> Unsupported | None:
     Parameters
     ----------
     samples : DataFrame
-        Of one joint, as a recording has them.
+        Samples of one joint in a recording.
     """
     if "known_force_n" in samples and "force_n" in samples:
         force, modelled = samples["force_n"].to_numpy(), samples["known_force_n"].to_numpy()
@@ -82,7 +82,7 @@ def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsu
     logs : sequence of EvenLog
         Runs.
     resolution : float or None
-        Of the encoder.
+        Resolution of the encoder.
     """
     stroke = max(float(np.ptp(log.position)) for log in logs)
     if stroke == 0:
@@ -110,7 +110,7 @@ def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsu
 
 
 def refused_for_few_windows(readings: Readings | None) -> Unsupported | None:
-    """Return why rows are too few for mass and friction; None if there are enough."""
+    """Return why windows are too few for mass and friction; None if there are enough."""
     count = 0 if readings is None else round(min(readings.hop, 1.0) * readings.count)
     if count >= AXIS_RULES.least_windows:
         return None

@@ -19,7 +19,7 @@ from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rough import pull_columns
 
-SURELY = 4.0  # standard errors
+SURELY = 4.0  # least distance from 0 of an estimate that is certainly negative [standard errors]
 
 
 class MovedOtherwise(NamedTuple):
@@ -65,11 +65,11 @@ def moved_otherwise(readings: Readings, measures: Measures, inside: Flags) -> Mo
     Parameters
     ----------
     readings : Readings
-        Rows of all runs.
+        Windows of all runs.
     measures : Measures
-        Of the axis.
+        Scales of the recording.
     inside : ndarray of bool, shape (W,)
-        Rows within the drive's limit.
+        Windows within the drive's limit.
     """
     if works_backwards(readings):
         return BACKWARDS
@@ -81,13 +81,13 @@ def moved_otherwise(readings: Readings, measures: Measures, inside: Flags) -> Mo
     size = float(np.sqrt(np.mean((readings.drive @ readings.weights) ** 2)))
     if max(moved, friction) >= AXIS_RULES.no_friction * size:
         return None
-    # Numbers of the rough law are never below 0; negative ones show in the reversed force.
+    # Coefficients of the rough law are never below 0; the reversed force shows negative ones.
     reverse = _law_forces(replace(readings, force=-force), measures, inside)
     return BY_HAND if max(reverse) < AXIS_RULES.no_friction * size else BACKWARDS
 
 
 def _law_forces(readings: Readings, measures: Measures, inside: Flags) -> tuple[float, float]:
-    """Return the forces of inertia and friction by the rough law."""
+    """Return the rms force of inertia and friction at top speed, by the rough law."""
     rough = rough_law_of(readings, inside)
     friction = rough.coulomb + rough.viscous * measures.speed
     return rough.mass * measures.acceleration, friction
