@@ -44,7 +44,7 @@ def explained_by_subsets(
     Parameters
     ----------
     blocks : sequence of Block
-        Of all regressors and pairs, in any order.
+        Blocks of all regressors and pairs, in any order.
     players : int
         Number of regressors, P. Time and memory grow as 2^P.
     response : ndarray, shape (R, S)

@@ -2,9 +2,9 @@
 
 The drive's path is measured. The motion of a load behind play, or on a spring, is simulated step by
 step along this path (:mod:`bayesfric.physics.loads`), for a few ratios of the load's mass to its
-friction and a grid of lengths. Let d be the load's position relative to the drive, and s the
-friction that acts on the load, relative to its friction in motion (−1 to 1), both positive along
-the drive's motion. The force of a window then exceeds that with a rigidly fixed load by
+friction and a grid of lengths. Let d be the load's distance ahead of the drive, along its motion,
+and s the friction that opposes this motion, relative to the load's friction in motion (−1 to 1).
+The force of a window then exceeds that with a rigidly fixed load by
 
     m_load ∫ φ'' d dt + C_load (∫ φ s dt − 1).
 

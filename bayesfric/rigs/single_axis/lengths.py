@@ -174,8 +174,8 @@ class _Rows(NamedTuple):
         The maximum is over all laws of an effect and over all lengths.
         """
         law = AxisLaw(self.measures.mass, self.measures.friction)
-        nobody = np.zeros(len(self.table), dtype=np.bool_)
-        state = state_of(self.readings, law, self.table, nobody, measures, self.constants)
+        no_trial = np.zeros(len(self.table), dtype=np.bool_)
+        state = state_of(self.readings, law, self.table, no_trial, measures, self.constants)
 
         def reduction(length: float) -> float:
             columns = [
