@@ -120,8 +120,6 @@ def entering(
 ) -> Entering | Unsupported:
     """Return the runs in which the axis moves, or why none can be used.
 
-    If there are few runs, each is cut into several trials.
-
     Parameters
     ----------
     axis : Axis

@@ -227,8 +227,7 @@ def readings_of(
     resolution : float or None
         Resolution of the encoder [m or rad].
     like : Readings or None
-        Windows with the width and noise to use, for forces without a delay. None: width, noise
-        and delay are estimated.
+        Windows whose width and noise are used, without a delay; None: all three are estimated.
     limit : float
         Force limit of the drive, which clips commands [N or N·m].
     """

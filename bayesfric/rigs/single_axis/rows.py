@@ -216,7 +216,7 @@ def state_of(
     constants: RigConstants,
     further: Sequence[str] = (),
 ) -> State:
-    """Return the state of the axis at places inside each window.
+    """Return the state of the axis at places inside windows, in arrays that broadcast to (W, P).
 
     Parameters
     ----------
@@ -232,11 +232,6 @@ def state_of(
         Scales of the whole recording, and constants of the machine.
     further : sequence of str
         The user's own columns.
-
-    Returns
-    -------
-    State
-        Arrays that broadcast to (W, P).
     """
     order = rank(table)[rows.trial]
     held, moved = _carried(rows, table, measures)

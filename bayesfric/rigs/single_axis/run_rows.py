@@ -35,10 +35,7 @@ def rows_of_run(
     late_s: float = 0.0,
     limit: float = np.inf,
 ) -> dict[str, Array]:
-    """Return the windows of one run: fields of :class:`Readings`, and the place of each window.
-
-    Windows are `step` samples apart; `noise` is the standard deviation of a position's error.
-    """
+    """Return the windows of one run: fields of :class:`Readings`, and the place of each window."""
     half = test.half
     position, velocity, way = _motion(log, half, noise, stroke)
     travel, before = passes_of(position, way, FAR * stroke)
@@ -51,9 +48,8 @@ def rows_of_run(
     if log.dithers is not None:
         one_way &= ~turns_back(log.dithers, test, centres)
     if log.sent is not None:
-        one_way &= ~turns_back(
-            _may_rest(log.position, max(1, half // A_STOP), noise), test, centres
-        )
+        rests = _may_rest(log.position, max(1, half // A_STOP), noise)
+        one_way &= ~turns_back(rests, test, centres)
     place = np.flatnonzero(one_way)
     centres = centres[one_way]
     sign = way[centres]
