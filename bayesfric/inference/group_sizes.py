@@ -73,11 +73,11 @@ def drawn_in_groups(
     ndarray, shape (S, n)
     """
     values, vectors = np.linalg.eigh(0.5 * (precision + precision.T))
-    seen = values > LEAST_INFORMATION
-    root = np.sqrt(values[seen])
+    informed = values > LEAST_INFORMATION
+    root = np.sqrt(values[informed])
     # The data are equivalent to q readings with unit error.
-    design = root[:, None] * (vectors[:, seen].T @ mixing)
-    readings = vectors[:, seen].T @ slope / root
+    design = root[:, None] * (vectors[:, informed].T @ mixing)
+    readings = vectors[:, informed].T @ slope / root
     sizes = _Sizes(design, readings, groups)
     for _ in range(BURN_IN):
         sizes.sweep(rng)

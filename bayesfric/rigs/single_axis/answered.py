@@ -111,14 +111,14 @@ def _answer(log: EvenLog, errors: Array, wide: int) -> _Answer | None:
     # At the ends, polynomials are not centred, and the response to earlier errors is unknown.
     ends = min(wide, force.size // 4)
 
-    def left(kept: float) -> float:
+    def residual_square(kept: float) -> float:
         return _answered_with(kept, errors / scale, force, ends)[1]
 
     nearest = scipy.optimize.minimize_scalar(
-        left, bounds=(0.0, MOST_KEPT), method="bounded", options={"xatol": KEPT_TO}
+        residual_square, bounds=(0.0, MOST_KEPT), method="bounded", options={"xatol": KEPT_TO}
     )
     # A bounded search never returns its bound 0, so that value is compared too.
-    kept = min((0.0, float(nearest.x)), key=left)
+    kept = min((0.0, float(nearest.x)), key=residual_square)
     return _Answer(_answered_with(kept, errors / scale, force, ends)[0] / scale, kept)
 
 
@@ -147,5 +147,5 @@ def _answered_with(kept: float, position: Array, force: Array, ends: int) -> tup
     inside = np.arange(max(ends, TAPS - 1), filtered.size - ends)
     columns = np.stack([filtered[inside - lag] for lag in range(TAPS)], axis=1)
     numbers = np.linalg.lstsq(columns, force[inside], rcond=1e-9)[0]
-    rest = force[inside] - columns @ numbers
-    return np.asarray(numbers), float(rest @ rest)
+    residual = force[inside] - columns @ numbers
+    return np.asarray(numbers), float(residual @ residual)

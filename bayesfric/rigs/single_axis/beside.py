@@ -112,12 +112,12 @@ def leading(columns: Array, force: Array) -> tuple[Array, Mixing]:
         return columns[:, :0], Mixing(np.zeros((0, columns.shape[1])))
     left, size, right = np.linalg.svd(columns, full_matrices=False)
     rms = size / np.sqrt(len(columns))
-    whole = float(np.sqrt(np.mean(force**2))) or 1.0
-    friction = max(abs(float(np.mean(force))), FRICTION_SHARE * whole)
-    least = min(LEAST * whole, LEAST_OF_FRICTION * friction)
-    count = min(MOST, len(columns) // AXIS_RULES.rows_a_number, int(np.sum(rms > least)))
-    rest = float(np.sqrt(np.sum(rms[count:] ** 2))) / whole
-    return left[:, :count] * size[:count], Mixing(right[:count], rest)
+    rms_force = float(np.sqrt(np.mean(force**2))) or 1.0
+    friction = max(abs(float(np.mean(force))), FRICTION_SHARE * rms_force)
+    least_rms = min(LEAST * rms_force, LEAST_OF_FRICTION * friction)
+    count = min(MOST, len(columns) // AXIS_RULES.rows_a_number, int(np.sum(rms > least_rms)))
+    rms_left_out = float(np.sqrt(np.sum(rms[count:] ** 2))) / rms_force
+    return left[:, :count] * size[:count], Mixing(right[:count], rms_left_out)
 
 
 def rough_amounts(law: Array, beside: Array, force: Array, inside: Flags) -> Array:
@@ -145,11 +145,11 @@ def rough_shares(law: Array, beside: Array, force: Array, inside: Flags) -> Arra
     width = np.maximum(np.abs(columns).max(axis=0, initial=0.0), 1e-300)
     prior = np.diag(np.concatenate([np.zeros(law.shape[1]), np.ones(beside.shape[1])]) / width)
     goal = np.concatenate([force[inside], np.zeros(len(prior))])
-    whole = float(np.sqrt(np.mean(force[inside] ** 2)))
-    error = 0.1 * whole
+    rms_force = float(np.sqrt(np.mean(force[inside] ** 2)))
+    error = 0.1 * rms_force
     for _ in range(ROUNDS):
         design = np.vstack([columns / width, error * prior])
         amounts = np.linalg.lstsq(design, goal, rcond=1e-9)[0] / width
-        rest = force[inside] - columns @ amounts
-        error = max(float(np.sqrt(np.mean(rest**2))), NO_LESS * whole)
+        residual = force[inside] - columns @ amounts
+        error = max(float(np.sqrt(np.mean(residual**2))), NO_LESS * rms_force)
     return np.asarray(amounts[law.shape[1] :])

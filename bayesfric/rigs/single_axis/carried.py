@@ -177,20 +177,22 @@ def _fitted(readings: Readings, places: Array, rows: Whole, others: Array) -> Pu
     count = pull.shape[1]
     if (way > 0).all() or (way < 0).all():
         pull[:, 0] = 0.0  # a constant force cannot be separated from Coulomb friction then
-    both, left = _squares(law, force)
-    pulled, less = _squares(np.column_stack([law, pull]), force)
-    if left - less >= AXIS_RULES.pulled * float(force @ force):
-        both = pulled
+    coefficients, squares = _squares(law, force)
+    with_pull, squares_with_pull = _squares(np.column_stack([law, pull]), force)
+    if squares - squares_with_pull >= AXIS_RULES.pulled * float(force @ force):
+        coefficients = with_pull
     elif model_force.any():
         pull = pull[:, :0]
     else:
-        return Pull(max(float(both[0]), 0.0), np.zeros(count), middle, half)
+        return Pull(max(float(coefficients[0]), 0.0), np.zeros(count), middle, half)
     for _ in range(ROUNDS):  # without friction by the load, the force of the position is biased
-        carried = model_force + both[0] * law[:, 0] + pull @ both[3 : 3 + pull.shape[1]]
-        both, _ = _squares(np.column_stack([law, pull, np.abs(carried)]), force)
-    own = np.zeros(count)
-    own[: pull.shape[1]] = both[3 : 3 + pull.shape[1]]
-    return Pull(max(float(both[0]), 0.0), own, middle, half)
+        carried = (
+            model_force + coefficients[0] * law[:, 0] + pull @ coefficients[3 : 3 + pull.shape[1]]
+        )
+        coefficients, _ = _squares(np.column_stack([law, pull, np.abs(carried)]), force)
+    amounts = np.zeros(count)
+    amounts[: pull.shape[1]] = coefficients[3 : 3 + pull.shape[1]]
+    return Pull(max(float(coefficients[0]), 0.0), amounts, middle, half)
 
 
 def _squares(columns: Array, force: Array) -> tuple[Array, float]:

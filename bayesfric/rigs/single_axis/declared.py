@@ -77,8 +77,10 @@ def doubts(
         number = law["inertia"]
         # An effect that depends on the acceleration may imitate a mass. So the estimate without
         # effects is tested too, if the rough mass also contradicts the declared one.
-        alone = [number.before] if contradicts(constants, rough_mass) else []
-        by_data = [_by_the_data(interval, mass, sd) for interval in (number.after, *alone)]
+        without_effects = [number.before] if contradicts(constants, rough_mass) else []
+        by_data = [
+            _by_the_data(interval, mass, sd) for interval in (number.after, *without_effects)
+        ]
         if number.least_squares is not None:  # an instrumental estimate contains no prior
             by_data[0] = number.after.mean, number.after.sd
         yield from _contradicted(
@@ -108,8 +110,8 @@ def beyond_limit(constants: RigConstants, drive: Array, unit: str) -> Iterator[s
     limit, measured = constants.force_limit_n, constants.force_is in MEASURED
     if limit is None:
         return
-    least = (1 + LITTLE_BEYOND) * limit if measured else limit
-    share = float(np.mean(np.abs(drive) > least))
+    highest = (1 + LITTLE_BEYOND) * limit if measured else limit
+    share = float(np.mean(np.abs(drive) > highest))
     if share > (0.0 if measured else MOSTLY):
         yield (
             f"rig.force_limit_n is {limit:.3g} {unit}, and {share:.0%} of the "

@@ -317,9 +317,9 @@ class EnteredRuns(RigTrials):
     @cached_property
     def _pull_explains_inertia(self) -> bool:
         """Whether a force of the position explains the inertia too, given errors of positions."""
-        own = self.readings.independent_acceleration_share
+        independent_share = self.readings.independent_acceleration_share
         pulled = self.measures.rotary and self.measures.pull > 0
-        return pulled and own < AXIS_RULES.acceleration_shows
+        return pulled and independent_share < AXIS_RULES.acceleration_shows
 
     @cached_property
     def _moved_otherwise(self) -> MovedOtherwise | None:
@@ -340,8 +340,8 @@ class EnteredRuns(RigTrials):
     @property
     def _beside(self) -> SimulatedBaseline | None:
         """The simulator, if it replaces the law (in a diagnosis); otherwise None."""
-        own = self.simulated
-        return own if own is not None and own.name == self.law.name else None
+        simulator = self.simulated
+        return simulator if simulator is not None and simulator.name == self.law.name else None
 
     @property
     def has_pulleys(self) -> bool:

@@ -118,7 +118,7 @@ def even_grid(
     between = np.diff(time_s)
     interval = float(np.median(between))
     is_logged = np.ones(time_s.size, dtype=np.bool_)
-    own = time_s if force_time_s is None else force_time_s
+    force_clock = time_s if force_time_s is None else force_time_s
     force = columns["force"]
     columns = {name: values for name, values in columns.items() if name != "force"}
     if np.abs(between - interval).max() > AXIS_RULES.uneven * interval:
@@ -131,9 +131,9 @@ def even_grid(
         grid, on_grid = time_s, dict(columns)
     moment = None
     if steps:
-        force, moment = _steps_of(grid, interval, own, force)
+        force, moment = _steps_of(grid, interval, force_clock, force)
     elif force_time_s is not None or grid is not time_s:
-        force = np.interp(grid, own, force)
+        force = np.interp(grid, force_clock, force)
     position = on_grid.pop("position")
     return EvenLog(
         grid, position, force, is_logged, interval, on_grid, moment=moment, stamps_sd_s=stamps_sd
@@ -260,9 +260,9 @@ def sample_noise(values: Array) -> float:
 
     It is estimated from the residuals of local parabolas over seven samples.
     """
-    left = np.abs(values - local_polynomial(values, 3, 2))[3:-3]
+    residual = np.abs(values - local_polynomial(values, 3, 2))[3:-3]
     # A parabola through seven samples removes a third of the error variance at its middle.
-    return float(NORMAL * np.median(left) / np.sqrt(1 - 1 / 3))
+    return float(NORMAL * np.median(residual) / np.sqrt(1 - 1 / 3))
 
 
 def position_noise(log: EvenLog, resolution: float | None) -> float:
@@ -331,13 +331,13 @@ def smooth_motion(
     way = np.zeros(log.position.size)
     for count in range(1, len(widths) + 1):
         way = np.where(way == 0, _surely(log, widths[:count], noise), way)
-    well = FINE * np.abs(_speed(log, half)).max()
-    fine = next((width for width in widths if _speed_error(log, width, noise) < well), half)
+    tolerance = FINE * np.abs(_speed(log, half)).max()
+    narrow = next((width for width in widths if _speed_error(log, width, noise) < tolerance), half)
     if quick:
-        fine = max(fine, QUICK)
+        narrow = max(narrow, QUICK)
     degree = 4 if quick else 2
-    position = local_polynomial(log.position, fine, degree)
-    return position, _speed(log, fine, degree), np.where(log.is_known, way, 0.0)
+    position = local_polynomial(log.position, narrow, degree)
+    return position, _speed(log, narrow, degree), np.where(log.is_known, way, 0.0)
 
 
 def _surely(log: EvenLog, widths: Sequence[int], noise: float) -> Array:

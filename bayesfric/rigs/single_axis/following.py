@@ -191,8 +191,8 @@ class LoadMotions:
         key = (held, slows, lengths.tobytes(), damping if held == "spring" else 0.0, shares)
         if key not in self._kept:
             heavy, tried = np.repeat(shares, lengths.size), np.tile(lengths, len(shares))
-            whole = self.side_by_side(held, slows, heavy, tried, damping)
-            parts = np.split(whole, len(shares), axis=2)
+            terms = self.side_by_side(held, slows, heavy, tried, damping)
+            parts = np.split(terms, len(shares), axis=2)
             self._kept[key] = dict(zip(shares, parts, strict=True))
         return self._kept[key]
 

@@ -58,10 +58,10 @@ def clipped(force: Array) -> Flags:
         return at_ends
     for sign in (1.0, -1.0):
         top = float((sign * force).max())
-        there = sign * force == top
+        at_top = sign * force == top
         below = (sign * force < top) & (sign * force >= top - BESIDE_END * float(steps.min()))
-        lengths = np.diff(np.flatnonzero(np.diff(np.pad(there, 1).astype(np.int8))))[::2]
-        often = there.sum() > max(OFTEN_AT_END, PILED_UP * below.sum() / BESIDE_END)
-        if top > 0 and often and there.mean() > AXIS_RULES.often_spiked and lengths.max() >= STAYS:
-            at_ends |= there
+        lengths = np.diff(np.flatnonzero(np.diff(np.pad(at_top, 1).astype(np.int8))))[::2]
+        often = at_top.sum() > max(OFTEN_AT_END, PILED_UP * below.sum() / BESIDE_END)
+        if top > 0 and often and at_top.mean() > AXIS_RULES.often_spiked and lengths.max() >= STAYS:
+            at_ends |= at_top
     return at_ends

@@ -195,8 +195,8 @@ def without_clock(nuisances: Array, acting: Mapping[str, Array]) -> Array:
     clock = nuisances[:, 0]
     for column in acting.values():
         size = float(column @ column)
-        rest = clock - column * (float(column @ clock) / size if size else 0.0)
-        if np.linalg.norm(rest) < ALIKE * np.linalg.norm(clock):
+        residual = clock - column * (float(column @ clock) / size if size else 0.0)
+        if np.linalg.norm(residual) < ALIKE * np.linalg.norm(clock):
             return nuisances[:, 1:]
     return nuisances
 
@@ -236,15 +236,15 @@ def compared(
         return f"{len(force)} windows in {pieces} stretches are too few to tell"
     scaled, widths = _scaled(columns[:, chosen])
     own = _scaled(own)[0]
-    moved, rest = scaled[:, :MOVED], scaled[:, MOVED:]
-    excluded = np.column_stack([own, rest])
+    moved, others = scaled[:, :MOVED], scaled[:, MOVED:]
+    excluded = np.column_stack([own, others])
     fitted = excluded @ _least_squares(excluded, moved)
-    strength = min(_strength(moved, fitted, own, rest, groups, place) for place in range(MOVED))
-    left = moved - fitted
+    strength = min(_strength(moved, fitted, own, others, groups, place) for place in range(MOVED))
+    residual = moved - fitted
     statistic, p_value = 0.0, 1.0  # if the instruments explain the motion completely
-    if np.linalg.norm(left) > ALIKE * np.linalg.norm(moved):
-        statistic, p_value = _wald(force[:, None], left, scaled, groups)
-    second = np.column_stack([fitted, rest])
+    if np.linalg.norm(residual) > ALIKE * np.linalg.norm(moved):
+        statistic, p_value = _wald(force[:, None], residual, scaled, groups)
+    second = np.column_stack([fitted, others])
     instrumental = _estimates(second, scaled, force, groups, widths)
     ordinary = _estimates(scaled, scaled, force, groups, widths)
     return Compared(
@@ -290,8 +290,8 @@ def _agreement(more: Array, second: Array, columns: Array, force: Array, groups:
     count = more.shape[1]
     if not count:
         return 1.0
-    left = force - columns @ _least_squares(second, force)
-    beyond = (more - second @ _least_squares(second, more)) * left[:, None]
+    residual = force - columns @ _least_squares(second, force)
+    beyond = (more - second @ _least_squares(second, more)) * residual[:, None]
     sums = summed_by_group(beyond, groups)
     whole = sums.sum(axis=0)
     statistic = float(whole @ np.linalg.pinv(sums.T @ sums) @ whole)
@@ -308,14 +308,14 @@ def _of_the_law(columns: Array, acting: Sequence[str]) -> dict[str, tuple[int, f
         for place, own in enumerate(columns.T[: len(NAMES)]):
             size = float(own @ own)
             ratio = float(own @ column) / size if size else 0.0
-            rest = float(np.linalg.norm(column - ratio * own))
-            if ratio and rest <= ALIKE * float(np.linalg.norm(column)):
+            residual = float(np.linalg.norm(column - ratio * own))
+            if ratio and residual <= ALIKE * float(np.linalg.norm(column)):
                 places[name] = place, ratio
     return places
 
 
 def _strength(
-    moved: Array, fitted: Array, own: Array, rest: Array, groups: Whole, place: int
+    moved: Array, fitted: Array, own: Array, others: Array, groups: Whole, place: int
 ) -> float:
     """Return the conditional F statistic of the instruments for one of the two regressors.
 
@@ -325,9 +325,9 @@ def _strength(
     endogenous variables", Journal of Econometrics 190 (2016).
     """
     other = MOVED - 1 - place
-    numbers = _least_squares(np.column_stack([fitted[:, other], rest]), moved[:, place])
-    left = moved[:, place] - np.column_stack([moved[:, other], rest]) @ numbers
-    count, statistic = own.shape[1], _wald(left[:, None], own, rest, groups)[0]
+    numbers = _least_squares(np.column_stack([fitted[:, other], others]), moved[:, place])
+    residual = moved[:, place] - np.column_stack([moved[:, other], others]) @ numbers
+    count, statistic = own.shape[1], _wald(residual[:, None], own, others, groups)[0]
     return float(statistic * count / (count - 1))
 
 
@@ -335,12 +335,12 @@ def _independent(columns: Array) -> list[int]:
     """Return indices of columns that are no combination of earlier ones; the law's are all kept."""
     basis, kept = np.zeros((len(columns), 0)), []
     for place, column in enumerate(columns.T):
-        rest = column - basis @ (basis.T @ column)
-        rest = rest - basis @ (basis.T @ rest)
-        size = float(np.linalg.norm(rest))
+        residual = column - basis @ (basis.T @ column)
+        residual = residual - basis @ (basis.T @ residual)
+        size = float(np.linalg.norm(residual))
         if size > ALIKE * float(np.linalg.norm(column)) or place <= MOVED:
             kept.append(place)
-            basis = np.column_stack([basis, rest / (size or 1.0)])
+            basis = np.column_stack([basis, residual / (size or 1.0)])
     return kept
 
 
@@ -367,11 +367,11 @@ def _wald(goal: Array, asked: Array, beside: Array, groups: Whole) -> tuple[floa
     return statistic, float(scipy.special.fdtrc(count, groups.max(), statistic))
 
 
-def _covariance(design: Array, rest: Array, groups: Whole) -> Array:
+def _covariance(design: Array, residual: Array, groups: Whole) -> Array:
     """Return the clustered covariance of least squares, corrected for the number of groups."""
     count = int(groups.max()) + 1
     inverse = np.asarray(np.linalg.pinv(design.T @ design, rcond=1e-12))
-    return count / (count - 1) * clustered_covariance(design, rest, groups, inverse)
+    return count / (count - 1) * clustered_covariance(design, residual, groups, inverse)
 
 
 def _estimates(

@@ -112,17 +112,17 @@ def works_backwards(readings: Readings) -> bool:
         return False
     columns = columns / np.maximum(np.abs(columns).max(axis=0), 1e-300)
     numbers = np.linalg.lstsq(columns, readings.force, rcond=None)[0]
-    left = readings.force - columns @ numbers
+    residual = readings.force - columns @ numbers
     inertia, friction = np.zeros((2, numbers.size))
     inertia[0], friction[1:3] = 1.0, columns[:, 1:3].mean(axis=0)
     inverse = np.linalg.pinv(columns.T @ columns)
-    of_windows = np.mean(left**2) * inverse
+    of_windows = np.mean(residual**2) * inverse
     if not _in_errors(friction, numbers, of_windows) < -SURELY:
         return False
     if _in_errors(inertia, numbers, of_windows) < -SURELY:
         return True
     names, stretch = np.unique(readings.piece, return_inverse=True)
-    of_stretches = clustered_covariance(columns, left, stretch, inverse)
+    of_stretches = clustered_covariance(columns, residual, stretch, inverse)
     return (
         names.size >= AXIS_RULES.least_pieces
         and _in_errors(friction, numbers, of_stretches) < -SURELY

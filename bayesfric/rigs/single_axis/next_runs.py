@@ -62,28 +62,28 @@ def lay_out(
     """
     read = {str(run): log_of(samples, rig) for run, samples in axis.samples.groupby("run")}
     logs = {run: log for run, log in read.items() if log is not None and run in moved}
-    own = {run: _spline(log, log.position, like.half_s) for run, log in logs.items()}
-    tops = {run: _top(path) for run, path in own.items()}
-    most, pull = float(np.abs(like.drive).max()), _Pull.of(like, law)
+    splines = {run: _spline(log, log.position, like.half_s) for run, log in logs.items()}
+    tops = {run: _top(path) for run, path in splines.items()}
+    largest_force, pull = float(np.abs(like.drive).max()), _Pull.of(like, law)
     speeds = _speeds(tops, rig)
-    made, rows = [], []
+    proposed, rows = [], []
     for run in _chosen(axis.runs, tops):
         name = str(run["run"])
-        paths = _paths(logs[name], own[name], like.half_s, speeds[-1])
+        paths = _paths(logs[name], splines[name], like.half_s, speeds[-1])
         for (kind, path), speed in product(paths.items(), sorted({*speeds, tops[name]})):
             log = _faster(path, speed / _top(path), logs[name], law, pull)
             length = log.time_s.size * log.interval_s
             peak = float(np.abs(log.force).max())
             again = kind == "as recorded" and speed == tops[name]
-            inside = again or (speeds[0] <= speed <= speeds[-1] and peak <= most)
+            inside = again or (speeds[0] <= speed <= speeds[-1] and peak <= largest_force)
             if inside and length >= LEAST * like.half_s:
-                made.append(log)
+                proposed.append(log)
                 settings = (name, kind, speed, length, peak)
                 rows.append(run | dict(zip(settings_of(rig), settings, strict=True)))
-    if not made:
+    if not proposed:
         return None
-    starts = [np.zeros(1, dtype=np.intp)] * len(made)
-    readings = readings_of(made, starts, None, like)
+    starts = [np.zeros(1, dtype=np.intp)] * len(proposed)
+    readings = readings_of(proposed, starts, None, like)
     if readings is None:
         return None
     moving = np.unique(readings.trial)
@@ -110,9 +110,9 @@ class _Pull(NamedTuple):
     def of(cls, rows: Readings, law: AxisLaw) -> "_Pull":
         """Fit the residuals of windows after the law by functions of position."""
         position, speed = rows.position @ rows.weights, rows.speed @ rows.weights
-        left = rows.force - law.mass * rows.acceleration - law.coulomb - law.viscous * speed
+        residual = rows.force - law.mass * rows.acceleration - law.coulomb - law.viscous * speed
         basis = pull_basis(position, *places_of(position))
-        amounts = np.linalg.lstsq(basis, rows.way * left, rcond=None)[0]
+        amounts = np.linalg.lstsq(basis, rows.way * residual, rcond=None)[0]
         return cls(*places_of(position), np.asarray(amounts, dtype=np.float64))
 
     def at(self, position: Array) -> Array:

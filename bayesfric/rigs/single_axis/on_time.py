@@ -86,8 +86,8 @@ def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) 
     reach_s = squares.reach_s  # a larger shift would move windows of the force out of their run
     step = reach_s / STEPS
     delays = step * np.arange(-STEPS, STEPS + 1)
-    left = np.array([squares.delayed(late) for late in delays])
-    best = float(delays[np.argmin(left)])
+    squares_of_delays = np.array([squares.delayed(late) for late in delays])
+    best = float(delays[np.argmin(squares_of_delays)])
     nearest = scipy.optimize.minimize_scalar(
         squares.delayed,
         bounds=(max(best - step, -reach_s), min(best + step, reach_s)),
@@ -188,8 +188,8 @@ class _Squares(NamedTuple):
                 for mean, (*_, way, modelled) in zip(forces, self.means, strict=True)
             ]
         )
-        rest = force - self.basis @ (self.basis.T @ force)
-        return float(rest @ rest)
+        residual = force - self.basis @ (self.basis.T @ force)
+        return float(residual @ residual)
 
 
 LAW = ("centre", "way", "force", "acceleration", "speed", "position", "beside")

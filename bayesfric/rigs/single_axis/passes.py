@@ -42,11 +42,11 @@ def passes_of(position: Array, way: Array, unseen: float) -> tuple[Array, Array]
     if way[0] == 0:
         travel = np.abs(position - position[0])
     if extremes.size:
-        seen = last >= 0
-        travel[seen] = np.abs(position[seen] - extremes[last[seen]])
+        after_reversal = last >= 0
+        travel[after_reversal] = np.abs(position[after_reversal] - extremes[last[after_reversal]])
         strokes = np.concatenate([np.full(REMEMBERED, unseen), np.abs(np.diff(extremes))])
-        ago = last[seen, None] - 1 - np.arange(REMEMBERED)
-        before[seen] = strokes[np.maximum(ago + REMEMBERED, 0)]
+        ago = last[after_reversal, None] - 1 - np.arange(REMEMBERED)
+        before[after_reversal] = strokes[np.maximum(ago + REMEMBERED, 0)]
     return travel, before
 
 

@@ -45,14 +45,14 @@ def path_of(log: EvenLog, time_s: Array | None = None) -> Path:
         Times of the result [s]; None means the times of the log.
     """
     noise, step = position_noise(log, None), log.interval_s
-    most = max(LEAST_HALF, min(round(MOST_S / step), (log.time_s.size - 1) // 2))
+    largest_half = max(LEAST_HALF, min(round(MOST_S / step), (log.time_s.size - 1) // 2))
     half = LEAST_HALF
-    while half < most:
+    while half < largest_half:
         kernel = scipy.signal.savgol_coeffs(2 * half + 1, DEGREE, deriv=1, delta=step)
         velocity = local_polynomial(log.position, half, DEGREE, slope=True) / step
         if noise * np.linalg.norm(kernel) < FINE * np.abs(velocity).max():
             break
-        half = min(most, half + max(1, half // 4))
+        half = min(largest_half, half + max(1, half // 4))
     position = local_polynomial(log.position, half, DEGREE)
     velocity = local_polynomial(log.position, half, DEGREE, slope=True) / step
     if time_s is None:

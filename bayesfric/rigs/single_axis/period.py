@@ -60,7 +60,7 @@ def strongest_wave(readings: Readings, least: float = LEAST) -> Wave:
         axis=1,
     )
     basis = np.linalg.qr(fixed_waves / np.maximum(np.abs(fixed_waves).max(axis=0), 1e-300))[0]
-    left = readings.force - basis @ (basis.T @ readings.force)
+    residual = readings.force - basis @ (basis.T @ readings.force)
 
     def numbers(turned: NDArray[np.complex128]) -> tuple[float, Array]:
         """Return by how much a wave reduces the squares, and amplitudes of its cosine and sine.
@@ -70,8 +70,8 @@ def strongest_wave(readings: Readings, least: float = LEAST) -> Wave:
         mean = turned @ readings.weights * readings.way
         pair = np.stack([mean.real, mean.imag])
         pair = pair.T - basis @ (basis.T @ pair.T)
-        pair_numbers = np.linalg.lstsq(pair, left, rcond=1e-6)[0]
-        return float(left @ pair @ pair_numbers), np.asarray(pair_numbers, dtype=np.float64)
+        pair_numbers = np.linalg.lstsq(pair, residual, rcond=1e-6)[0]
+        return float(residual @ pair @ pair_numbers), np.asarray(pair_numbers, dtype=np.float64)
 
     turn = 2j * np.pi * place
     tried = np.arange(least, MOST, APART)

@@ -179,8 +179,8 @@ class Readings:
         if self.count < FEW_ROWS * others.shape[1]:
             return np.inf  # the residuals of so few windows would be too small
         fitted = np.linalg.lstsq(others, self.acceleration, rcond=SINGULAR)[0]
-        left = self.acceleration - others @ fitted
-        return float(left @ left / max(self.count - others.shape[1], 1))
+        residual = self.acceleration - others @ fitted
+        return float(residual @ residual / max(self.count - others.shape[1], 1))
 
     @property
     def weight_pulls(self) -> float:

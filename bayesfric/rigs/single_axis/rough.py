@@ -79,15 +79,15 @@ def rough_law(
         force; if there are few windows, only the first of them.
     """
     columns = np.stack([acceleration, np.ones_like(force), speed], axis=1)
-    alone, left = _positive(columns, force)
+    without_pull, squares = _positive(columns, force)
     if pull is None:
-        return _law(alone)
+        return _law(without_pull)
     pull = pull[:, : max(0, force.size // AXIS_RULES.rows_a_number - columns.shape[1])]
     if not pull.size:
-        return _law(alone)
-    coefficients, less = _positive(np.column_stack([columns, pull]), force)
-    if left - less < AXIS_RULES.pulled * float(force @ force):
-        return _law(alone)
+        return _law(without_pull)
+    coefficients, squares_with_pull = _positive(np.column_stack([columns, pull]), force)
+    if squares - squares_with_pull < AXIS_RULES.pulled * float(force @ force):
+        return _law(without_pull)
     pulls = float(np.sqrt(np.mean((pull @ coefficients[3:]) ** 2)))
     return _law(coefficients, pulls)
 
@@ -108,8 +108,8 @@ def _positive(columns: Array, force: Array) -> tuple[Array, float]:
         design = columns * free / width
         coefficients = np.linalg.lstsq(design, force, rcond=SINGULAR)[0] / width
         if coefficients[2] >= 0 or not free[2]:
-            left = float(np.sum((force - columns * free @ coefficients) ** 2))
-            return np.append(np.maximum(coefficients[:3], 0.0), coefficients[3:]), left
+            squares = float(np.sum((force - columns * free @ coefficients) ** 2))
+            return np.append(np.maximum(coefficients[:3], 0.0), coefficients[3:]), squares
         free[2] = 0.0
 
 

@@ -124,8 +124,8 @@ def _motion(log: EvenLog, half: int, noise: float, stroke: float) -> tuple[Array
     position, velocity, way = smooth_motion(log, over, noise, quick=quick)
     if (other := log.further.get("sim_position")) is not None:
         # Friction of a simulated axis that moves in the other direction has the wrong sign.
-        there = smooth_motion(replace(log, position=other), over, noise)[2]
-        way = np.where(there == way, way, 0.0)
+        simulated_way = smooth_motion(replace(log, position=other), over, noise)[2]
+        way = np.where(simulated_way == way, way, 0.0)
     return position, velocity, way
 
 

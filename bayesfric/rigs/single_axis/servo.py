@@ -363,9 +363,9 @@ def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> tuple
         prior[0, DELAY] = error / (delay[1] * width[DELAY])
         goal = np.append(force, error * delay[0] / delay[1])
         numbers = np.linalg.lstsq(np.vstack([design, prior]), goal, rcond=1e-9)[0]
-    left = force - design @ numbers
+    residual = force - design @ numbers
     inverse = np.linalg.pinv(design.T @ design + prior.T @ prior, rcond=1e-12)
-    covariance = clustered_covariance(design, left, rows.piece, inverse)
+    covariance = clustered_covariance(design, residual, rows.piece, inverse)
     return numbers / width, np.sqrt(np.diag(covariance)) / width
 
 

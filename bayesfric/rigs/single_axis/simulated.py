@@ -365,13 +365,13 @@ def _best(
     """Return the mode of the parameters given their priors, within the priors' ±3 sd."""
     used = fits[readings.trial]
     columns = readings.simulated[used, 1:]
-    left = readings.force[used] - readings.simulated[used, 0]
+    residual = readings.force[used] - readings.simulated[used, 0]
     width = np.array([_width(parameter) for parameter in parameters])
-    free = np.linalg.lstsq(columns * width, left, rcond=1e-9)[0]
-    variance = float(np.mean((left - columns * width @ free) ** 2)) or 1.0
+    free = np.linalg.lstsq(columns * width, residual, rcond=1e-9)[0]
+    variance = float(np.mean((residual - columns * width @ free) ** 2)) or 1.0
     middle = np.array([float(from_normal(parameter.prior, 0.0)) for parameter in parameters])
     precision = (columns * width).T @ (columns * width) / variance + np.eye(width.size)
-    slope = (columns * width).T @ left / variance + (middle - theta) / width
+    slope = (columns * width).T @ residual / variance + (middle - theta) / width
     best = theta + width * np.linalg.solve(precision, slope)
     low, high = (
         np.array([float(from_normal(parameter.prior, z)) for parameter in parameters])

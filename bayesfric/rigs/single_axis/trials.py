@@ -156,12 +156,12 @@ class AxisRuns(EnteredRuns):
     @property
     def own_law(self) -> OwnLaw | None:
         """The user's simulator as a law, whether it is called or was recorded; None without one."""
-        own = self.simulated
-        if own is None:
+        simulator = self.simulated
+        if simulator is None:
             return None
-        without = Coefficients._fields[len(own.parameters) :]
-        law = replace(BASELINES["paper"], name=own.name, without=without)
-        return OwnLaw(law, own.parameters, own.calls)
+        without = Coefficients._fields[len(simulator.parameters) :]
+        law = replace(BASELINES["paper"], name=simulator.name, without=without)
+        return OwnLaw(law, simulator.parameters, simulator.calls)
 
     def beside(self, simulator: SimulatorCalls) -> "AxisRuns":
         """Return the runs with a user's simulator of them; see :mod:`.simulated`."""
@@ -283,12 +283,12 @@ class AxisRuns(EnteredRuns):
     ) -> ExactLikelihood:
         """Return the likelihood of the windows for a law, or for the simulator that replaces it."""
         del analysis, effects  # priors are in the machine's scales; effects are only diagnosed
-        own = self.under(law)
-        beside = own._beside
-        rows = own._rows(own._rough)
+        under_law = self.under(law)
+        beside = under_law._beside
+        rows = under_law._rows(under_law._rough)
         if beside is not None:
-            rows = own._around(Coefficients(*(*beside.centre, 0.0, 0.0, 0.0)[:3]))
-        return ExactLikelihood(AxisModel(own.table, rows, own.measures))
+            rows = under_law._around(Coefficients(*(*beside.centre, 0.0, 0.0, 0.0)[:3]))
+        return ExactLikelihood(AxisModel(under_law.table, rows, under_law.measures))
 
     def predicted(self, view: Predictive) -> xr.Dataset:
         """Return the estimated friction of each run, and that predicted for a new run."""

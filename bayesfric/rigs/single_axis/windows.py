@@ -82,8 +82,8 @@ def _beyond(values: Array, columns: Array) -> float:
     """Return the rms residual of values after regression on columns; infinite without columns."""
     if not columns.size:
         return np.inf
-    rest = values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0]
-    return float(np.sqrt(np.mean(rest**2)))
+    residual = values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0]
+    return float(np.sqrt(np.mean(residual**2)))
 
 
 def _narrowest_and_widest(logs: Sequence[EvenLog], noise: float) -> tuple[float, float]:
