@@ -88,8 +88,8 @@ def doubts(
         )
     if constants.force_is == "link":
         yield (
-            "The force is one behind the gear (rig.force_is = link): friction before the sensor, "
-            "most of a gear's, does not show in it"
+            "The force was measured behind the gear (rig.force_is = link): friction before the "
+            "sensor, which is most of a gear's friction, is not in it"
         )
 
 
@@ -129,7 +129,7 @@ def _contradicted(
         if apart > AXIS_RULES.contradicted:
             yield (
                 f"The data contradict what is declared: rig.moving_mass_kg is {declared:.4g} ± "
-                f"{sd:.2g} {unit}, and they say {value:.4g} ± {error:.2g} {unit}, {apart:.0f} "
+                f"{sd:.2g} {unit}, and the data give {value:.4g} ± {error:.2g} {unit}, {apart:.0f} "
                 "standard errors apart. The declared mass or the scale of the force is wrong"
             )
             return

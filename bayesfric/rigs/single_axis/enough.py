@@ -61,7 +61,7 @@ def without_a_difference(samples: pd.DataFrame) -> Unsupported | None:
         if np.array_equal(force, modelled) and force.any():
             return Unsupported(
                 "known_force_n is force_n in every row, so that nothing is left for friction: "
-                "known_force_n is what a rigid-body model says of the motion"
+                "known_force_n must be the force of a rigid-body model for the motion"
             )
     if "command_m" in samples and "force_n" not in samples:
         position = samples["position_m"].to_numpy()
@@ -69,7 +69,7 @@ def without_a_difference(samples: pd.DataFrame) -> Unsupported | None:
         if np.ptp(apart) <= SAME * np.ptp(position) and np.ptp(position):
             return Unsupported(
                 f"command_m is position_m, {apart[0]:.3g} apart in every row, so that no friction "
-                "holds the axis back: command_m is what was sent to the servo"
+                "holds the axis back: command_m must be the command that was sent to the servo"
             )
     return None
 

@@ -51,8 +51,9 @@ OFFERED = ALWAYS | {
     NO_OFFSET,
 }  # names that a user's own column must not have
 LIKE_A_PULL = (
-    "On this motion the acceleration is nearly a function of the position, and position errors "
-    "hide the rest: inertia is not estimated, and forces of the position include a part of it"
+    "In this motion the acceleration is nearly a function of the position, and position errors "
+    "hide the difference. So inertia is not estimated, and forces that depend on position include "
+    "a part of it"
 )
 PLACED = frozenset({"gravity-torque", "spring", "axis-bias"})
 

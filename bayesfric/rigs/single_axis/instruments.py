@@ -233,7 +233,7 @@ def compared(
     pieces = int(groups.max()) + 1 if groups.size else 0
     chosen = _independent(columns)
     if pieces < AXIS_RULES.least_pieces or len(force) < AXIS_RULES.rows_a_number * len(chosen):
-        return f"{len(force)} windows in {pieces} stretches are too few to tell"
+        return f"{len(force)} windows in {pieces} stretches are too few"
     scaled, widths = _scaled(columns[:, chosen])
     own = _scaled(own)[0]
     moved, others = scaled[:, :MOVED], scaled[:, MOVED:]

@@ -43,14 +43,15 @@ def likely_mistakes(
     speed = readings.speed @ readings.weights
     if viscous and np.ptp(speed) < AXIS_RULES.one_speed * float(speed.max()):
         yield (
-            f"It runs at one speed, {speed.mean():.3g} {measures.unit('m')}/s, at which Coulomb "
-            "and viscous friction are one number: take --baseline coulomb, or run at others too"
+            f"The axis runs at one speed, {speed.mean():.3g} {measures.unit('m')}/s, at which "
+            "Coulomb and viscous friction cannot be separated: use --baseline coulomb, or run at "
+            "other speeds too"
         )
     if measures.rotary and measures.pull and measures.stroke > MANY_TURNS_RAD:
         yield (
             f"The joint turns by {measures.stroke:,.0f} rad ({measures.stroke / 2 / np.pi:,.0f} "
-            "turns), and something pulls it to a place: are its positions in degrees, or those "
-            "of a motor before its gear?"
+            "turns), and its force depends on position: are its positions in degrees, or those of "
+            "a motor before its gear?"
         )
 
 

@@ -105,7 +105,7 @@ def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) 
         acts = "later" if best > 0 else "earlier"
         why = (
             f"the force fits best where it acts {reach_s:.2g} s {acts} than it stands in the log, "
-            "and nothing further is looked at: set the clocks of force and positions right"
+            "and larger shifts are not tried: correct the clocks of force and positions"
         )
         return OnTime(tuple(logs), why_refused=why)
     return OnTime(tuple(_moved(log, late_s) for log in logs), late_s)

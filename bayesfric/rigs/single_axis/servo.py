@@ -103,10 +103,10 @@ class Servo(NamedTuple):
         if self.is_relative:
             yield (
                 "The log has commands and no force, and nothing in it is known in newtons: all "
-                f"numbers are over the servo's stiffness K, and 1 {force} per K is 1 {angle} by "
-                "which the joint is off its command. rig.command_gain, a payload that was weighed "
-                "(a column in _kg, with rig.payload_arm_m), rig.moving_mass_kg or a model in "
-                "rig.robot tell K"
+                f"numbers are relative to the servo's stiffness K, and 1 {force} per K is 1 "
+                f"{angle} of distance between the joint and its command. K follows from "
+                "rig.command_gain, a payload that was weighed (a column in _kg, with "
+                "rig.payload_arm_m), rig.moving_mass_kg or a model in rig.robot"
             )
         else:
             yield (

@@ -72,25 +72,26 @@ class AxisRuns(EnteredRuns):
         if self.late_s:
             acts = "later" if self.late_s > 0 else "earlier"
             lines.append(
-                f"The force acts {abs(self.late_s):.3g} s {acts} than it stands in the log, which "
-                "no drive does: two clocks, or a slow way of telemetry. It was moved by as much"
+                f"The force acts {abs(self.late_s):.3g} s {acts} than it was logged. No drive has "
+                "such a delay: force and position have different clocks, or telemetry is slow. The "
+                "force was shifted by this time"
             )
         if self.stamps_sd_s:
             lines.append(
-                f"Stamps jitter by {self.stamps_sd_s:.2g} s about an even clock, over which "
-                "positions are smoother: the even clock was taken"
+                f"The time stamps jitter by {self.stamps_sd_s:.2g} s about an even clock, on which "
+                "positions are smoother. The even clock was used"
             )
         if self.clipped:
             lines.append(
-                f"In some run {self.clipped:.1%} of the readings of force_n are the largest that "
-                "there is, again and again: a sensor or a drive is at its end there, and what acts "
-                "beyond is not known. Windows with such readings do not enter"
+                f"In at least one run, {self.clipped:.1%} of the readings of force_n are at the "
+                "end of their range: the sensor or the drive is saturated, and the force that "
+                "acted is unknown. Windows with such readings are not used"
             )
         if self.spikes:
             lines.append(
-                f"In some run {self.spikes:.1%} of the readings of force_n are spikes of a sample: "
-                "numbers of the law are as good as these are. Filter them where they are read, or "
-                "log the command beside"
+                f"In at least one run, {self.spikes:.1%} of the readings of force_n are spikes of "
+                "one sample, and the law is only as good as these readings. Filter them in the "
+                "sensor, or log the command too"
             )
         if self.dither.windows:
             done = (
@@ -114,9 +115,9 @@ class AxisRuns(EnteredRuns):
         See :mod:`.instruments`.
         """
         if self._beside is not None:
-            return "a simulator has the place of the law"
+            return "a simulator replaces the law"
         if self.servo is not None:
-            return "the command is in the drive force itself, so that it is no instrument"
+            return "the drive force is computed from the command, so the command is no instrument"
         rows, readings = self._around(laws[SIZE]), self.readings
         others: dict[str, Array] = {}
         for candidate, _ in acting:
@@ -195,8 +196,8 @@ class AxisRuns(EnteredRuns):
         if law.name == "paper" or law.name in OF_AXES:
             return None
         return Unsupported(
-            "Without a word it has inertia, Coulomb and viscous friction and an offset, as "
-            "'coulomb-viscous' says; 'coulomb' and 'none' say less."
+            "The default law of an axis, 'coulomb-viscous', has inertia, Coulomb and viscous "
+            "friction and an offset; 'coulomb' and 'none' have fewer terms."
         )
 
     def suited(self, effect: Effect) -> Effect:
@@ -235,16 +236,17 @@ class AxisRuns(EnteredRuns):
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot be in the likelihood: an axis supports none of them."""
         if effect.acts_on not in ("friction", "drive"):
-            return Unsupported("It acts on sensors that an axis has not.")
+            return Unsupported("It acts on sensors that an axis does not have.")
         if missing := effect.needs - self.offers:
-            return Unsupported(f"It needs what an axis has not: {', '.join(sorted(missing))}.")
+            needs = ", ".join(sorted(missing))
+            return Unsupported(f"It needs data that this recording does not have: {needs}.")
         suited = self.measures.effect(effect)
         state = self._state(self._rough)
         for law in suited.laws.values():
             response = np.asarray(law(small_values(suited), state), dtype=np.float64)
             if reason := why_inert(response):
                 return reason
-        return Unsupported("A fit of an axis has mass and friction alone; effects are diagnosed.")
+        return Unsupported("A fit of an axis has only mass and friction: diagnose finds effects.")
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
