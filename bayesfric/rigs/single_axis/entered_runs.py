@@ -91,7 +91,7 @@ class EnteredRuns(RigTrials):
     machine : Machine or None
         The machine to which the joint belongs, with its other joints.
     late_s : float
-        Time by which the force was shifted, since it acts later than it was logged [s].
+        Time by which the force was shifted: positive if it acts later than it was logged [s].
     dither : Dither
         Windows in which the joint reverses between two encoder counts.
     spikes : float
@@ -281,7 +281,7 @@ class EnteredRuns(RigTrials):
 
     @property
     def usual_law(self) -> str:
-        """Inertia, Coulomb and viscous friction."""
+        """Name of the default law: inertia, Coulomb and viscous friction."""
         return COULOMB_VISCOUS
 
     @property

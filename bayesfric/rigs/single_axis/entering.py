@@ -197,7 +197,7 @@ def _measures_of(
     limit: Limit,
     servo: Servo | None,
 ) -> Measures:
-    """Return the measures of all runs; payloads of a servo determine its force of position."""
+    """Return the measures of all runs; for a servo, payloads are fitted with the position force."""
     measures = measures_of(readings, logs, constants, limit)
     if servo is None or not readings.beside.shape[1]:
         return measures
@@ -217,7 +217,7 @@ def _faults_of_force(
 ) -> tuple[float, float]:
     """Return the largest shares of a run's force readings that are spikes and that are clipped.
 
-    Spikes are counted in measured forces only, clipping not in commands.
+    Spikes are counted only in measured forces. Clipping is not counted in commands.
     """
     peaks = max(spikes(log.force) for log in logs) if constants.force_is in MEASURED else 0.0
     if constants.force_is == "commanded" or servo is not None:
