@@ -298,7 +298,7 @@ class EnteredRuns(RigTrials):
     def shared_numbers(self) -> Mapping[str, tuple[int, str, float]]:
         """The nuisances that belong to the law: an offset, and the two amounts of a weight.
 
-        Each name has its place among the nuisances, its unit and its scale.
+        By name: the index among the nuisances, the unit and the scale.
         """
         offset = {"offset": (1, self.unit, 1.0)} if self._offset_sd else {}
         last = len(offset) + self.readings.beside.shape[1]

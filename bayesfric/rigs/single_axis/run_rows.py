@@ -35,7 +35,7 @@ def rows_of_run(
     late_s: float = 0.0,
     limit: float = np.inf,
 ) -> dict[str, Array]:
-    """Return the windows of one run: fields of :class:`Readings`, and the place of each window."""
+    """Return the windows of one run: fields of :class:`Readings`, and where each window is."""
     half = test.half
     position, velocity, way = _motion(log, half, noise, stroke)
     travel, before = passes_of(position, way, FAR * stroke)
