@@ -12,7 +12,7 @@ from math import log
 class DiagnosisThresholds:
     """Thresholds of a diagnosis; :func:`bayesfric.rules.rules_of` lists them.
 
-    Each has its unit, the page of docs/decisions where it is argued, and what it decides.
+    Each has a unit, a page of docs/decisions with its reasons, and a sentence on what it decides.
 
     Fields
     ------

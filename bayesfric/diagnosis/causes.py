@@ -25,7 +25,7 @@ FORCES = re.compile("^(N|kg)")
 """Begins the unit of an amplitude that is in the scale of forces."""
 
 
-def known_of(
+def reported_effects(
     model: LinearModel, search: Search, posterior: Posterior, practical: float
 ) -> list[KnownEffect]:
     """Return probability and strength of each evaluated effect, the most probable first.
@@ -96,7 +96,7 @@ def implausible(
     names : sequence of str
         Effects of any evaluated hypothesis.
         model, search, posterior
-        As of :func:`known_of`.
+        As of :func:`reported_effects`.
     """
     beyond = []
     for name in names:
@@ -156,7 +156,7 @@ def causes_of(
     names : sequence of str
         Effects that some weighed hypothesis has.
     model, search, posterior, practical
-        As of :func:`known_of`.
+        As of :func:`reported_effects`.
     floor : float
         Rms of scatter, relative to rms friction.
     check : callable

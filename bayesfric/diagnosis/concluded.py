@@ -12,7 +12,7 @@ from bayesfric.diagnosis.compared import Compared
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.instrumental import why_bent, why_unconfirmed, why_unsettled
+from bayesfric.diagnosis.instrumental import why_biased, why_unconfirmed, why_uncorrected
 from bayesfric.diagnosis.judging import Judged
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
@@ -257,7 +257,7 @@ def _objections_to(
     instrument = rig.instrument(acting, model.laws)
     loop = None
     if held_out is None and not other_joints:
-        loop = _why_bent(instrument, named, best, acting)
+        loop = _why_not_confirmed(instrument, named, best, acting)
     return Objections(rivals, held_out, loop, other_joints, amounts, instrument)
 
 
@@ -298,7 +298,7 @@ def _why_no_scatter(
     ) or differs_within_runs(model.noise.named(judged.settled.psi), practical)
 
 
-def _why_bent(
+def _why_not_confirmed(
     instrument: Instrument | str,
     named: list[str],
     best: Weighed,
@@ -336,7 +336,7 @@ def _why_open(
     if not rig.along_path or verdict != "unknown":
         return None
     few = few_windows(judged.residuals, along_path=True)
-    return rig.why_no_finding or few or why_unsettled(objections.instrument)
+    return rig.why_no_finding or few or why_uncorrected(objections.instrument)
 
 
 def _as_judged(judged: Judged) -> Overruled:
@@ -364,7 +364,7 @@ def _why_not_shown(
     first = (
         why_not_shown(search, judged.residuals, along_path=rig.along_path)
         or loosely_known(model, judged.residuals, judged.posterior, practical)
-        or why_bent(instrument)
-        or why_unsettled(instrument)
+        or why_biased(instrument)
+        or why_uncorrected(instrument)
     )
     return first and "; ".join(filter(None, (first, rig.why_no_finding)))

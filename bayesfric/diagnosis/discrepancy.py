@@ -12,7 +12,7 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.effects.candidates import Candidate, goes_to_and_fro
+from bayesfric.effects.candidates import Candidate, has_no_equivalent_force
 from bayesfric.inference.smooths import KEPT, NARROW, SHARP, WHOLE, Smooth, Span, smooth_along
 from bayesfric.observation.linear import LinearRows
 from bayesfric.rigs.base import Unsupported
@@ -162,7 +162,7 @@ def _small_amounts(
     effects = {
         candidate.effect.name: candidate.effect
         for candidate in candidates
-        if not goes_to_and_fro(candidate.effect) and not candidate.effect.components
+        if not has_no_equivalent_force(candidate.effect) and not candidate.effect.components
     }
     amounts: list[tuple[Candidate, float]] = []
     for effect in effects.values():

@@ -21,7 +21,10 @@ NO_JOINT = "no number of this law has a field in a simulator of joints"
 EVERY_FIELD = "every simulator has a field for it"
 NO_FORCE = "what it makes alone was not drawn"
 NO_MODEL = "no model of the machine was given"
-RATIO = "it is over the stiffness K of the servo, which no field takes: multiply it by K first"
+RATIO = (
+    "it is relative to the servo's stiffness K, and no simulator has a field for such a ratio: "
+    "multiply it by K"
+)
 NOT_IN_MODEL = "no joint of a model has such a number"
 NAMES = {"inertia": INERTIAS, "armature": ("armature", "mass")}
 """Of a number of the law, those by which a rig may call it."""

@@ -18,7 +18,7 @@ from numpy.polynomial import legendre
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.discrepancy import relative_rms
 from bayesfric.effects import ActsOn, Effect, Law
-from bayesfric.effects.candidates import Candidate, goes_to_and_fro, unit_values
+from bayesfric.effects.candidates import Candidate, has_no_equivalent_force, unit_values
 from bayesfric.observation.linear import LinearRows
 from bayesfric.rigs.base import Unsupported
 
@@ -76,7 +76,7 @@ def other_forms(
     """
     forms: list[Form] = []
     for candidate, amplitude in acting:
-        if candidate.effect.is_exact or goes_to_and_fro(candidate.effect) or amplitude == 0:
+        if candidate.effect.is_exact or has_no_equivalent_force(candidate.effect) or amplitude == 0:
             continue
         places = _places(rows, candidate)
         for axis in AXES[candidate.effect.acts_on]:

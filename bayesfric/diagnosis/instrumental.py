@@ -28,7 +28,7 @@ from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 NOTHING_WIDER: Factors = MappingProxyType({})
 
 
-def why_bent(instrument: Instrument | str) -> str | None:
+def why_biased(instrument: Instrument | str) -> str | None:
     """Return why least squares cannot show that there is no gap; None if they can.
 
     Parameters
@@ -44,7 +44,7 @@ def why_bent(instrument: Instrument | str) -> str | None:
     )
 
 
-def why_unsettled(instrument: Instrument | str) -> str | None:
+def why_uncorrected(instrument: Instrument | str) -> str | None:
     """Return why the control loop may bias the law beyond repair; None if it does not.
 
     Instruments of any strength can show a bias of least squares; only a strong instrument
@@ -78,7 +78,7 @@ def why_unconfirmed(instrument: Instrument | str, named: Mapping[str, str]) -> s
     """
     if isinstance(instrument, str):
         return None
-    if not instrument.alarms and why_unsettled(instrument) is None:
+    if not instrument.alarms and why_uncorrected(instrument) is None:
         return None
     parts = []
     for name, whose in named.items():
@@ -131,7 +131,7 @@ def by_the_instrument(
     scatter : RunScatter or None
         Scatter of friction from run to run, which the instrument's errors do not contain.
     """
-    unsettled = why_unsettled(instrument) is not None
+    unsettled = why_uncorrected(instrument) is not None
     if isinstance(instrument, str) or not (instrument.alarms or unsettled):
         return dict(law)
     numbers = dict(law)

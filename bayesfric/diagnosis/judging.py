@@ -13,7 +13,7 @@ import numpy as np
 from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.acting import Acting, At, Law
 from bayesfric.diagnosis.arms import Arms
-from bayesfric.diagnosis.causes import known_of
+from bayesfric.diagnosis.causes import reported_effects
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals, residuals_of
@@ -196,7 +196,7 @@ def _judged(
     settled = force.at if mostly and force is not None else best.at
     residuals = residuals_of(model.full, settled.psi)
     posterior = posterior_of(model, search, residuals, rng)
-    effects_known = known_of(model, search, posterior, practical)
+    effects_known = reported_effects(model, search, posterior, practical)
     above = float(np.mean(posterior.gap >= practical * residuals.friction_rms))
     named, present, possible = sort_effects(effects_known, above)
     arms = _arms(model, search, best, named, settled.psi, shipped)

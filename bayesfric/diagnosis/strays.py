@@ -25,7 +25,7 @@ SETTLED = 0.3  # of the logarithm of a weight
 MOST_LEVERAGE = 1 - 1e-6
 
 
-def few_strays(
+def stray_weights(
     off: Array, before: Array | None = None, surely: Array | None = None
 ) -> Array | None:
     """Return the weight of each row, or None if too many rows are far away.
@@ -141,7 +141,7 @@ def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
                 kept = 1 - _leverage(windows, mine, own, at, mixing)
                 surely, alone = alone / np.sqrt(kept), alone / kept
                 before = model.full.row_weights.get(rig.rows.name, np.ones(alone.size))
-            weight = few_strays(alone, before, surely)
+            weight = stray_weights(alone, before, surely)
             if weight is None:
                 return None
             if np.any(weight < 1):

@@ -11,7 +11,7 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, Law, State, followed
+from bayesfric.effects.base import Effect, EffectParameter, Law, State, load_law
 from bayesfric.physics.loads import taken_along
 
 SHARP = 10.0  # the load is picked up over a tenth of the gap
@@ -24,9 +24,9 @@ def _light(p: Mapping[str, Array], state: State) -> Array:
 
 LAWS: dict[str, Law] = {
     "friction": _light,
-    "half-mass": followed("play", "gap", 0.5),
-    "mass": followed("play", "gap", 1.0),
-    "mass-alone": followed("play", "gap", np.inf),
+    "half-mass": load_law("play", "gap", 0.5),
+    "mass": load_law("play", "gap", 1.0),
+    "mass-alone": load_law("play", "gap", np.inf),
 }
 EFFECT = Effect(
     name="backlash",

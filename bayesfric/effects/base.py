@@ -153,7 +153,7 @@ class Effect:
         return (self.amplitude,) if self.shape is None else (self.amplitude, self.shape)
 
 
-def followed(held: str, length: str, heavy: float) -> Law:
+def load_law(held: str, length: str, heavy: float) -> Law:
     """Return the law of a load whose motion behind a play or a spring is simulated.
 
     Parameters
@@ -166,10 +166,10 @@ def followed(held: str, length: str, heavy: float) -> Law:
         The load's share of the mass over its share of the friction; infinite for a load without
         friction.
     """
-    return partial(_followed, held, length, heavy)
+    return partial(_of_load, held, length, heavy)
 
 
-def followed_by_own_shares(held: str, length: str) -> Law:
+def load_law_by_own_shares(held: str, length: str) -> Law:
     """Return the law of a load whose ratio of shares, ``mass_over_friction``, was searched for.
 
     Its `length` is defined with a share of the friction that equals the share of the mass. So a
@@ -178,17 +178,17 @@ def followed_by_own_shares(held: str, length: str) -> Law:
     Parameters
     ----------
     held, length : str
-        As of :func:`followed`.
+        As of :func:`load_law`.
     """
-    return partial(_followed_by_own_shares, held, length)
+    return partial(_by_own_shares, held, length)
 
 
-def _followed_by_own_shares(held: str, length: str, p: Mapping[str, Array], state: State) -> Array:
+def _by_own_shares(held: str, length: str, p: Mapping[str, Array], state: State) -> Array:
     heavy = state.mass_over_friction
-    return _followed(held, length, heavy, {**p, length: p[length] / heavy}, state)
+    return _of_load(held, length, heavy, {**p, length: p[length] / heavy}, state)
 
 
-def _followed(held: str, length: str, heavy: float, p: Mapping[str, Array], state: State) -> Array:
+def _of_load(held: str, length: str, heavy: float, p: Mapping[str, Array], state: State) -> Array:
     late, lost = (np.asarray(part) for part in state.load(held, heavy, p[length]))
     if np.isinf(heavy):
         return np.asarray(p["share"] * np.asarray(state.mass_kg) * late)

@@ -107,7 +107,7 @@ def is_positive(prior: Prior) -> bool:
     return isinstance(prior, HalfNormal | HalfCauchy)
 
 
-def goes_to_and_fro(effect: Effect) -> bool:
+def has_no_equivalent_force(effect: Effect) -> bool:
     """Return whether an effect on readings has no equivalent force."""
     return effect.acts_on == "reading" and bool(effect.components or effect.shape)
 

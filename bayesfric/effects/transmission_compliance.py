@@ -17,8 +17,8 @@ from bayesfric.effects.base import (
     Effect,
     EffectParameter,
     State,
-    followed,
-    followed_by_own_shares,
+    load_law,
+    load_law_by_own_shares,
 )
 from bayesfric.physics.loads import taken_along
 
@@ -77,10 +77,10 @@ EFFECT = Effect(
         "half-mass": partial(_wound_up, 0.5),
         "mass": partial(_wound_up, 1.0),
         "seen-at-load": _seen_at_load,
-        "rings-half-mass": followed("spring", "length", 0.5),
-        "rings-mass": followed("spring", "length", 1.0),
-        "rings-own-shares": followed_by_own_shares("spring", "length"),
-        "rings-mass-alone": followed("spring", "length", np.inf),
+        "rings-half-mass": load_law("spring", "length", 0.5),
+        "rings-mass": load_law("spring", "length", 1.0),
+        "rings-own-shares": load_law_by_own_shares("spring", "length"),
+        "rings-mass-alone": load_law("spring", "length", np.inf),
     },
     along_path=True,
     needs=frozenset({"direction", "drive", "spring"}),

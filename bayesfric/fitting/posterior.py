@@ -208,7 +208,7 @@ def _all_that_can_enter(recording: Recording, data: Data) -> tuple[Data | None, 
     """Return all trials, including excluded ones, or why there are no excluded ones."""
     ruled = [trials for trials in data.rigs if trials.excluded is not None]
     if not ruled:
-        return None, "no rule keeps a trial of these rigs from entering"
+        return None, "these rigs have no rule that excludes trials"
     if not any(trials.excluded for trials in ruled):
         return None, "no trial was left out"
     whole = Data(open_rigs(recording, [trials.rig.name for trials in data.rigs], exclude=False))
@@ -221,7 +221,7 @@ def _all_that_moved(data: Data) -> tuple[Data | None, str | None]:
     """Return the trials that moved to the end, or why there are no others."""
     moved = [trials.moved() for trials in data.rigs]
     if not any(moved):
-        return None, "all trials that enter moved all the way, or none did"
+        return None, "all trials that are used moved to the end, or none did"
     kept = zip(moved, data.rigs, strict=True)
     return Data(tuple(moving if moving is not None else whole for moving, whole in kept)), None
 

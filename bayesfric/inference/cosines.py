@@ -1,10 +1,10 @@
-"""A smooth process of zero mean along an interval: a sum of a few cosines.
+"""A smooth zero-mean process along an interval: a sum of a few cosines.
 
-Along an interval of extent X the cosines of wavenumber k π / X, k ≥ 1, have independent normal
-coefficients. Their variances are in proportion to the spectral density of the Matérn form of
-order 3/2, (1 + (ω ℓ)² / 3)⁻², at their wavenumbers ω, and add up to the square of the process'
-rms; ℓ is the correlation length. The constant, k = 0, is left out. The sum *is* the process:
-what is simulated is what a likelihood follows.
+Along an interval of extent X, the cosines with wavenumbers ω = k π / X, k ≥ 1, have independent
+normal coefficients. Their variances are proportional to the spectral density of the Matérn kernel
+of order 3/2, (1 + (ω ℓ)² / 3)⁻², with ℓ the correlation length, and sum to the mean square of the
+process. There is no constant term (k = 0). Simulators and likelihoods use the same finite sum, so
+it is no approximation.
 
 References
 ----------
@@ -21,14 +21,14 @@ MODES = 6  # more would be lost in the noise of events at an rms of 2 %
 
 
 def cosines(place: ArrayLike, count: int) -> Array:
-    """Return the cosines at places of the interval.
+    """Return the cosines at some positions in the interval.
 
     Parameters
     ----------
     place : array_like
-        From 0 to 1.
+        Positions, from 0 to 1.
     count : int
-        How many.
+        Number of cosines.
 
     Returns
     -------
@@ -45,14 +45,14 @@ def cosine_variances(length: ArrayLike, count: int) -> Array:
     Parameters
     ----------
     length : array_like
-        Correlation length over the interval's extent.
+        Correlation length, relative to the interval's extent.
     count : int
-        How many cosines make the process.
+        Number of cosines.
 
     Returns
     -------
     ndarray, shape (count, …)
-        They add up to 1.
+        Variances, which sum to 1.
     """
     order = np.arange(1, count + 1).reshape(-1, *(1,) * np.ndim(length))
     density = (1 + (np.pi * order * np.asarray(length)) ** 2 / 3) ** -2
@@ -60,14 +60,14 @@ def cosine_variances(length: ArrayLike, count: int) -> Array:
 
 
 def log_variance_slopes(length: float, count: int) -> Array:
-    """Return how the logarithms of :func:`cosine_variances` grow with that of the length.
+    """Return derivatives of log :func:`cosine_variances` by the logarithm of the length.
 
     Parameters
     ----------
     length : float
-        Correlation length over the interval's extent.
+        Correlation length, relative to the interval's extent.
     count : int
-        How many cosines make the process.
+        Number of cosines.
 
     Returns
     -------

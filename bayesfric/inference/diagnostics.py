@@ -24,12 +24,12 @@ from scipy.special import logsumexp, ndtri
 from bayesfric.arrays import Array
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
-BATCHES = 10  # of an ensemble
-POWERS = 0.99, 1.01  # of the prior or the likelihood: a derivative by differences
+BATCHES = 10  # batches of the draws of an ensemble
+POWERS = 0.99, 1.01  # powers of the prior or the likelihood for a numerical derivative
 
 
 def _of_arrays() -> Any:
-    """Return ArviZ's statistics of arrays, loaded when first used: with them come half of SciPy."""
+    """Return ArviZ's statistics of arrays, imported on first use because they load slowly."""
     from arviz_stats.base.array import array_stats
 
     return array_stats
@@ -42,8 +42,8 @@ class Convergence:
     Parameters
     ----------
     r_hat, r_hat_walkers : float
-        Rank-normalised R-hat: split, with walkers pooled by ensemble, and of walkers, see
-        :func:`walkers_r_hat`.
+        Rank-normalised R-hat: the split R-hat of ensembles with pooled walkers, and that of single
+        walkers by :func:`walkers_r_hat`.
     ess_bulk, ess_tail : float
         Effective draws for the mean and for the 5 and 95 % quantiles.
     mcse_mean : float
@@ -58,7 +58,7 @@ class Convergence:
 
     @property
     def converged(self) -> bool:
-        """Whether every figure is within :class:`SamplingRules`."""
+        """Whether all diagnostics meet the thresholds of :class:`SamplingRules`."""
         return (
             self.r_hat < SAMPLING_RULES.r_hat
             and self.r_hat_walkers < SAMPLING_RULES.r_hat_walkers
@@ -67,19 +67,19 @@ class Convergence:
 
 
 class OfChains(NamedTuple):
-    """What ArviZ's summary says of chains of one parameter, as in :class:`Convergence`."""
+    """R-hat and bulk effective draws of chains of one parameter, as in ArviZ's summary."""
 
     r_hat: float
     ess_bulk: float
 
 
 def of_chains(chains: Array) -> OfChains:
-    """Return what ArviZ's summary says of one parameter.
+    """Return R-hat and bulk effective draws of one parameter, as in ArviZ's summary.
 
     Parameters
     ----------
     chains : ndarray, shape (chains, draws)
-        Each in its order.
+        Draws of each chain in their order.
     """
     arviz = _of_arrays()
     return OfChains(float(arviz.rhat(chains)), float(arviz.ess(chains, method="bulk")))
@@ -91,23 +91,22 @@ def diagnose_draws(draws: Array) -> Convergence:
     Parameters
     ----------
     draws : ndarray, shape (ensembles, draws, walkers)
-        In the order in which they were drawn.
+        Draws in their order.
 
     Returns
     -------
     Convergence
-        All figures finite.
 
     Raises
     ------
     ValueError
-        The draws do not vary or are not finite.
+        If the draws do not vary or are not finite.
     """
     if not np.isfinite(draws).all() or np.ptp(draws) == 0:
         raise ValueError("draws must be finite and must vary")
     ensembles, steps, walkers = draws.shape
     by_walker = draws.transpose(0, 2, 1).reshape(ensembles * walkers, steps)
-    pooled = draws.reshape(ensembles, steps * walkers)  # step by step: halves are in time
+    pooled = draws.reshape(ensembles, steps * walkers)  # in order of time, so that R-hat can split
     bulk = min(float(_of_arrays().ess(by_walker, method="bulk")), batch_means_ess(draws))
     tail = float(_of_arrays().ess(by_walker, method="tail", prob=(0.05, 0.95)))
     return Convergence(
@@ -133,11 +132,12 @@ def diagnose_all(theta: Array) -> list[Convergence]:
 def walkers_r_hat(draws: Array) -> float:
     """Return R-hat with each walker as a chain, corrected for the Monte Carlo error of their means.
 
-    The variance of walkers' means is that of their places and the Monte Carlo error of a mean.
-    Halves of a walker share the place alone, so that the covariance of their means estimates
-    its variance, however few effective draws a walker has. R-hat squared is the variance of all
-    draws over that within a place. As ever, it is the larger of those of rank-normalised draws
-    and of their distances from the median.
+    The variance between the means of walkers has two parts: differences between the regions in
+    which walkers stay, and the Monte Carlo error of the means. The two halves of a walker share
+    only its region. So the covariance of their means estimates the variance between regions, even
+    if a walker has few effective draws. R-hat squared is the variance of all draws over the
+    variance within a region. The result is the larger R-hat of rank-normalised draws and of
+    rank-normalised distances from the median.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def walkers_r_hat(draws: Array) -> float:
     Returns
     -------
     float
-        1 or above; inf where no walker leaves its place.
+        At least 1; inf if no walker leaves its region.
     """
     half = draws.shape[1] // 2
     r_hats = []
@@ -185,16 +185,16 @@ def batch_means_ess(draws: Array) -> float:
 
 
 def rank_counts(draws: Array, bins: int) -> NDArray[np.int_]:
-    """Count where the ranks of each ensemble fall among those of all.
+    """Count the draws of each ensemble in ranges of rank among all draws.
 
-    Ensembles that draw from one density have counts that differ by chance only.
+    If all ensembles draw from the same density, the counts differ by chance only.
 
     Parameters
     ----------
     draws : ndarray, shape (ensembles, draws, walkers)
-        Of one parameter.
+        Draws of one parameter.
     bins : int
-        Ranges of rank, equally wide.
+        Number of equally wide ranges of rank.
 
     Returns
     -------
@@ -218,7 +218,8 @@ def mean_ess(draws: Array) -> float:
     Returns
     -------
     float
-        The smaller of ArviZ's and that of batch means; all draws if they are equal.
+        The smaller of ArviZ's estimate and that by batch means; the number of draws if all draws
+        are equal.
     """
     if np.ptp(draws) == 0:
         return float(draws.size)
@@ -230,18 +231,18 @@ def mean_ess(draws: Array) -> float:
 def multivariate_r_hat(chains: Array) -> float:
     """Return the largest split R-hat of any linear combination of the coordinates.
 
-    Modes that lie side by side across a narrow ridge overlap in every coordinate, but
-    not in all combinations.
+    Modes on parallel narrow ridges overlap in every coordinate, but not in all combinations of
+    coordinates.
 
     Parameters
     ----------
     chains : ndarray, shape (chains, draws, D)
-        Each in the order in which it was drawn.
+        Draws of each chain in their order.
 
     Returns
     -------
     float
-        Huge or inf where draws do not vary within the chains in some combination.
+        Very large or inf if some combination does not vary within the chains.
 
     References
     ----------
@@ -251,7 +252,7 @@ def multivariate_r_hat(chains: Array) -> float:
     count, steps, size = chains.shape
     half = steps // 2
     split = chains[:, : 2 * half].reshape(2 * count, half, size)
-    # In units of all draws, so that coordinates on tiny scales are not lost to rounding.
+    # Coordinates are standardised, so that those of small scale are not lost by rounding.
     split = (split - split.mean(axis=(0, 1))) / split.std(axis=(0, 1))
     means = split.mean(axis=1)
     centred = (split - means[:, None]).reshape(-1, size)
@@ -265,26 +266,26 @@ def multivariate_r_hat(chains: Array) -> float:
 
 
 def power_scaling(values: Array, log_component: Array) -> Array:
-    """Return how much marginals move when the prior or the likelihood is raised to a power.
+    """Return the sensitivity of marginals to a power of the prior or of the likelihood.
 
     Parameters
     ----------
     values : ndarray, shape (chains, draws, K)
-        Of K coefficients.
+        Draws of K coefficients.
     log_component : ndarray, shape (chains, draws)
-        Log density of what is raised to a power close to 1: the prior of some or all
-        parameters, or the likelihood of all data together.
+        Log density of the component that is raised to a power close to 1: the prior of some or
+        all parameters, or the likelihood of all data.
 
     Returns
     -------
     ndarray, shape (K,)
-        Change of a marginal, as a distance of cumulative distributions, for a
-        doubling of the power; above 0.05 the component matters.
+        Change of each marginal per doubling of the power, as a distance between cumulative
+        distributions. Above 0.05 the component has a noticeable influence.
 
     Raises
     ------
     ValueError
-        Something is not finite, or the component is the same for all draws.
+        If a value is not finite, or if the component is the same for all draws.
 
     References
     ----------
@@ -306,10 +307,10 @@ def power_scaling(values: Array, log_component: Array) -> Array:
 
 
 def _power_weights(log_component: Array, power: float) -> Array:
-    """Return logarithms of normalised weights at another power of a component, smoothed.
+    """Return smoothed log weights, normalised, for another power of a component.
 
-    Where walkers hardly moved, the tail has one value: ArviZ refuses it or divides by nothing, and
-    the weights stay as they are.
+    If walkers hardly moved, all weights of the tail are equal. ArviZ then raises an error or
+    divides by 0, and the weights are not smoothed.
     """
     plain = (power - 1) * log_component
     plain = plain - logsumexp(plain)

@@ -30,11 +30,11 @@ class Group:
     Parameters
     ----------
     places : ndarray of int
-        Of the coefficients.
+        Indices of the coefficients.
     sizes : ndarray, shape (K,)
-        Possible standard deviations, ascending; 0 is none.
+        Possible standard deviations, ascending; 0 means that the coefficients are 0.
     log_weights : ndarray, shape (K,)
-        Log prior weight of each.
+        Log prior probability of each size.
     """
 
     places: Whole
@@ -55,15 +55,16 @@ def drawn_in_groups(
     Parameters
     ----------
     precision : ndarray, shape (m, m)
-        ``log p(data | g) = slopeᵀg − gᵀ precision g / 2`` for combinations g of coefficients.
+        Information matrix of m combinations g of coefficients:
+        ``log p(data | g) = slopeᵀg − gᵀ precision g / 2`` up to a constant.
     slope : ndarray, shape (m,)
-        As above.
+        Slope of that form.
     mixing : ndarray, shape (m, n)
-        The combinations; the coefficients are normal with mean zero.
+        The combinations of the n coefficients, which are normal with mean zero.
     groups : sequence of Group
-        Every coefficient is in one group.
+        The groups; each coefficient is in exactly one of them.
     count : int
-        S of draws.
+        Number of draws, S.
     rng : Generator
         Source of randomness.
 
@@ -72,11 +73,11 @@ def drawn_in_groups(
     ndarray, shape (S, n)
     """
     values, vectors = np.linalg.eigh(0.5 * (precision + precision.T))
-    seen = values > LEAST_INFORMATION
-    root = np.sqrt(values[seen])
-    # The data as q readings with unit error.
-    design = root[:, None] * (vectors[:, seen].T @ mixing)
-    readings = vectors[:, seen].T @ slope / root
+    informed = values > LEAST_INFORMATION
+    root = np.sqrt(values[informed])
+    # The data are equivalent to q readings with unit error.
+    design = root[:, None] * (vectors[:, informed].T @ mixing)
+    readings = vectors[:, informed].T @ slope / root
     sizes = _Sizes(design, readings, groups)
     for _ in range(BURN_IN):
         sizes.sweep(rng)

@@ -4,11 +4,11 @@ The M measurements have the covariance
 
     Σ = diag(d) + Σ_k u_k u_kᵀ within each group + B Bᵀ,
 
-with u_k what one standard deviation of the k-th number that a group draws for itself, such
-as the friction of an assembly, moves, and B the columns of a curve that all measurements
-share, scaled to coefficients of prior N(0, 1). The numbers of a group are integrated out
-group by group, and those of the curve at last, so that everything before that is a sum
-over groups: what one group adds can be taken off again to leave the group out.
+where d are the variances of independent errors. Each group has its own deviations, such as that of
+the friction of an assembly; u_k is the shift of the measurements by one standard deviation of the
+k-th. B are the columns of a curve that all measurements share, whose coefficients have priors
+N(0, 1). The deviations are integrated out group by group, and the coefficients of the curve last.
+Until then all terms are sums over groups, so a group is left out by subtracting its terms.
 """
 
 from collections.abc import Callable
@@ -24,7 +24,7 @@ from bayesfric.arrays import Array
 from bayesfric.inference.priors import LOG_2PI as LOG_2PI
 from bayesfric.inference.quadratic import eliminate, gram, matrices
 
-LARGEST_CONDITION = 1e12  # of the curve's precision; rounding would be felt beyond
+LARGEST_CONDITION = 1e12  # condition number of a precision from which rounding errors matter
 
 
 @dataclass(frozen=True)
@@ -55,11 +55,21 @@ class Groups:
 
 
 class _Sums(NamedTuple):
-    """The terms that a set of measurements adds to the log density, arrays of shape (…)."""
+    """The terms of a set of measurements in the log density, arrays of shape (…).
 
-    size: Array  # measurements
-    log_determinant: Array  # without the curve's part
-    form: Array  # (triangle, …) of the curve's coefficients and the residual
+    Parameters
+    ----------
+    size : ndarray
+        Number of measurements.
+    log_determinant : ndarray
+        Log determinant of their covariance without the curve.
+    form : ndarray, shape (triangle, …)
+        Quadratic form in the curve's coefficients and the residual.
+    """
+
+    size: Array
+    log_determinant: Array
+    form: Array
 
     def log_density(self, shared: int) -> Array:
         if not shared:
@@ -71,10 +81,10 @@ class _Sums(NamedTuple):
         return np.where(invertible, density, np.nan)
 
     def _invertible_form(self, shared: int) -> tuple[Array, NDArray[np.bool_]]:
-        """Return the form, and where the curve's precision can be inverted; zeros elsewhere.
+        """Return the form, set to 0 where the curve's precision cannot be inverted, and where not.
 
-        Few measurements leave a part of the curve to its prior, whose 1 is lost beside
-        the precision of the rest when the noise is far below what anyone would record.
+        If there are few measurements, only the prior determines a part of the curve. At extremely
+        small noise its precision of 1 is lost by rounding against that of the rest.
         """
         finite = np.isfinite(self.form).all(axis=0)
         form = np.where(finite, self.form, 0.0)
@@ -90,15 +100,14 @@ class Grouped:
     Parameters
     ----------
     groups : Groups
-        Of the measurements.
+        Groups of the measurements.
     residual : ndarray, shape (W, M)
-        r, what was measured less its mean.
+        r, the measured values minus their means.
     variance : ndarray, shape (W, M)
-        d, of the errors that each measurement has to itself; of one that is Student-t, its
-        squared scale.
+        d, the variance of each measurement's own error; its squared scale if it is Student-t.
     moved : ndarray, shape (R, W, M)
-        u, by how much one standard deviation (or scale) of each of a group's R numbers
-        moves a measurement.
+        u, the shift of a measurement by one standard deviation (or scale) of each of a group's R
+        deviations.
     """
 
     groups: Groups
@@ -109,12 +118,12 @@ class Grouped:
 
 @dataclass(frozen=True)
 class GroupedNormal(Grouped):
-    """Measurements that are normal.
+    """Measurements with a joint normal density.
 
     Parameters
     ----------
     columns : ndarray, shape (M, K), or None
-        B, the shared curve; None without one.
+        B, the columns of the shared curve; None without one.
     """
 
     columns: Array | None = None
@@ -160,20 +169,20 @@ class GroupedNormal(Grouped):
         return np.asarray(ndtr(sign * (score / np.sqrt(precision))))
 
     def group_cdf(self) -> Array:
-        """Return the CDF of each group's first number at its value, given all other groups.
+        """Return a distribution function value for each group's data, given all other groups.
 
-        It is that of ``uᵀ r`` in the metric of the group's precision given the others, u being
-        what the first number moves.
+        It is that of the scalar uᵀ P (r − m), with P the group's precision matrix and m the mean of
+        its residuals r given the others, and u their shifts by the group's first deviation.
 
         Returns
         -------
         ndarray, shape (W, G)
-            NaN for a group without an influence of this number.
+            NaN for a group that the first deviation does not shift.
         """
         own, shared = list(self.moved), self._shared
         columns = [*own, *self._curve, self.moved[0], self.residual]
         form, _ = eliminate(gram(columns, 1 / self.variance, self.groups.total), [1.0] * len(own))
-        whole = matrices(form)  # of the curve, of what the number moves, and of the residual
+        whole = matrices(form)  # in the curve, the shifts of the first deviation, and the residual
         square, score = whole[..., -2, -2], whole[..., -2, -1]
         if shared:
             curve_precision = np.eye(shared) + whole[..., :shared, :shared].sum(axis=-3)
@@ -198,13 +207,13 @@ class GroupedNormal(Grouped):
         return np.asarray(rng.standard_normal(score.shape) / np.sqrt(precision) - score / precision)
 
     def numbers(self) -> tuple[Array, Array]:
-        """Return the posterior of each group's own numbers, without a shared curve.
+        """Return the posterior of each group's deviations, without a shared curve.
 
         Returns
         -------
         mean, covariance : ndarray, shape (W, G, R) and (W, G, R, R)
-            Of numbers that are N(0, 1) beforehand; nan where the measurements are so precise
-            that rounding leaves no inverse.
+            The priors are N(0, 1). NaN if the measurements are so precise that rounding errors
+            prevent an inversion.
         """
         return self._numbers(self.groups.total(self._shown()))
 
@@ -214,7 +223,7 @@ class GroupedNormal(Grouped):
         return self._numbers(self.groups.total(own)[..., self.groups.of_each] - own)
 
     def _shown(self) -> Array:
-        """Return each measurement's quadratic form in its group's numbers and the residual."""
+        """Return each measurement's quadratic form in its group's deviations and the residual."""
         return gram([*self.moved, self.residual], 1 / self.variance, np.asarray)
 
     def _numbers(self, form: Array) -> tuple[Array, Array]:
@@ -231,7 +240,7 @@ class GroupedNormal(Grouped):
         return np.asarray(mean), np.asarray(covariance)
 
     def drawn(self, rng: np.random.Generator) -> "GroupedNormal":
-        """Return the same normal with residuals drawn from it.
+        """Return the same density with residuals drawn from it.
 
         Parameters
         ----------
@@ -268,7 +277,7 @@ class GroupedNormal(Grouped):
         def over_all(values: Array) -> Array:
             return np.asarray(values.sum(axis=-1, keepdims=True))
 
-        for place, column in enumerate(numbers):  # Sherman–Morrison, number by number
+        for place, column in enumerate(numbers):  # one Sherman–Morrison update for each column
             total: Callable[[Array], Array] = within if place < len(own) else over_all
             along = solved[place]
             gain = 1 + total(column * along)
@@ -278,7 +287,7 @@ class GroupedNormal(Grouped):
         return solved[-1], precision
 
     def _group_sums(self) -> _Sums:
-        """Return what each group adds, arrays of shape (…, W, G)."""
+        """Return the terms of each group, arrays of shape (…, W, G)."""
         own = list(self.moved)
         form = gram([*own, *self._curve, self.residual], 1 / self.variance, self.groups.total)
         form, of_group = eliminate(form, [1.0] * len(own))

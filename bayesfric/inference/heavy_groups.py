@@ -1,9 +1,9 @@
-"""Groups whose own numbers are Student-t: :mod:`.grouped_normal` over widths of each group.
+"""Groups with Student-t deviations: a mixture of :mod:`.grouped_normal` over variances.
 
-The numbers that a group draws are normal with a variance over λ, which the group draws first,
-λ ~ Γ(ν/2, ν/2): together they are Student-t, so that a group that is far out moves the law and
-the scatter of all groups less than it would if groups were normal. Given λ all is one normal; λ
-is integrated by the trapezoid rule in its logarithm.
+Each group has a precision λ ~ Γ(ν/2, ν/2). Given λ, its deviations are normal with variance 1/λ.
+Without λ they have a multivariate Student-t distribution. So an outlying group has less influence
+on the law and on the scatter than with normal deviations. λ is integrated out by the trapezoid rule
+in its logarithm.
 """
 
 from dataclasses import dataclass
@@ -18,18 +18,18 @@ from bayesfric.inference.grouped_normal import LOG_2PI, Grouped, GroupedNormal
 from bayesfric.inference.quadratic import eliminate, gram
 from bayesfric.inference.student import drawn_node, log_density_given, weight_given
 
-NODES = 41  # in log λ: the rule converges exponentially
-LOWER, UPPER = 1e-12, 1e-8  # probability beyond the grid; groups far out are at its lower end
+NODES = 41  # nodes in log λ; the rule converges exponentially
+LOWER, UPPER = 1e-12, 1e-8  # probabilities of λ beyond the grid; outlying groups have small λ
 
 
 @dataclass(frozen=True)
 class HeavyGroups(Grouped):
-    """Measurements that are normal, in groups whose numbers are Student-t.
+    """Normal measurements in groups with Student-t deviations.
 
     Parameters
     ----------
     freedom : float
-        Degrees of freedom.
+        Degrees of freedom of the groups' deviations.
     """
 
     freedom: float
@@ -39,11 +39,11 @@ class HeavyGroups(Grouped):
         return np.asarray(logsumexp(self._group, axis=0))
 
     def single_log_density(self) -> Array:
-        """Return the log density of each measurement given its group's others, (W, M)."""
+        """Return the log density of each measurement given the others of its group, (W, M)."""
         return log_density_given(self._group[..., self.groups.of_each], self._single)
 
     def single_cdf(self) -> Array:
-        """Return the CDF of each measurement at its value given its group's others, (W, M)."""
+        """Return each measurement's distribution function given the others of its group, (W, M)."""
         below = np.stack([normal.single_cdf() for normal in self._normals])
         return np.asarray((self._given_the_rest() * below).sum(axis=0))
 
@@ -89,10 +89,10 @@ class HeavyGroups(Grouped):
         return np.asarray(density + log_weight[:, None, None])
 
     def _given_the_rest(self) -> Array:
-        """Return the probability of each node given a group's others, shape (Q, W, M)."""
+        """Return the probability of each node given the other measurements, shape (Q, W, M)."""
         return weight_given(self._group[..., self.groups.of_each], self._single)
 
     @property
     def _single(self) -> Array:
-        """Log density of each measurement and node given its group's others, (Q, W, M)."""
+        """Log density of each measurement given the others of its group and λ, (Q, W, M)."""
         return np.stack([normal.single_log_density() for normal in self._normals])

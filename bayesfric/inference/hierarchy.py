@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from bayesfric.arrays import Array
 from bayesfric.inference.model import Model
 
-LEAST_PRECISION = 0.01  # of a direction that a board leaves open, its prior's being 1
-FREEDOM, INFLATION = 6.0, 1.3  # of the proposals of a board, whose tails may be heavy
+LEAST_PRECISION = 0.01  # least precision of a likelihood in any direction; that of the prior is 1
+FREEDOM, INFLATION = 6.0, 1.3  # degrees of freedom of a board's proposals, and variance factor
 
 
 @dataclass(frozen=True)
@@ -34,13 +34,13 @@ class NormalBoard:
     Parameters
     ----------
     model : Model
-        Of D parameters, K of them coefficients.
+        Model of the board, with D parameters, K of them coefficients.
     places : ndarray of int, shape (D,)
-        Where its parameters stand, the coefficients first.
+        Indices of the parameters in the model, the coefficients first.
     centre : ndarray, shape (D,)
-        Mean of the posterior, the coefficients first.
+        Mean of the posterior, in the order of `places`.
     root : ndarray, shape (D, D)
-        Lower triangular, with the covariance as its square, likewise.
+        Lower triangular Cholesky factor of the posterior covariance, in the order of `places`.
     likely : ndarray, shape (K,)
         Maximum of the likelihood of the coefficients.
     precision_root : ndarray, shape (K, K)
@@ -56,16 +56,16 @@ class NormalBoard:
 
     @classmethod
     def of(cls, model: Model, theta: Array, names: Sequence[str]) -> "NormalBoard":
-        """Fit it to draws.
+        """Fit a normal density to draws of a board's posterior.
 
         Parameters
         ----------
         model : Model
-            Of the board.
+            Model of the board.
         theta : ndarray, shape (S, D)
             Draws of its posterior, in the parameters' units.
         names : sequence of str
-            The K coefficients.
+            Names of the K coefficients.
         """
         first = [model.names.index(name) for name in names]
         places = np.array(first + [k for k in range(len(model.names)) if k not in first])
@@ -93,7 +93,7 @@ class NormalBoard:
         Parameters
         ----------
         mean, sd : ndarray, shape (W, K)
-            Of the population of each coefficient.
+            Mean and standard deviation of each coefficient in W populations.
 
         Returns
         -------
@@ -113,19 +113,19 @@ class NormalBoard:
         Parameters
         ----------
         mean, sd : ndarray, shape (W, K)
-            Of the population of each coefficient.
+            Mean and standard deviation of each coefficient in W populations.
         tries : int
-            Boards a population.
+            Number of boards for each population.
         rng : Generator
-            Of the draws.
+            Source of randomness.
 
         Returns
         -------
         theta : ndarray, shape (W, tries, D)
-            In the units and the order of the model.
+            Parameters in the units and the order of the model.
         log_weight : ndarray, shape (W, tries)
-            Their mean is the density of the board's data given the population, with the
-            constant of :meth:`log_marginal`.
+            Log weights. The mean weight estimates the density of the board's data given the
+            population, with the constant of :meth:`log_marginal`.
         """
         count, size = mean.shape[1], len(self.places)
         scaled = sd[..., None] * self.precision_root
@@ -134,7 +134,7 @@ class NormalBoard:
         precise = self.precision_root @ self.precision_root.T
         centre = mean + np.einsum("wij,wj->wi", inner, (self.likely - mean) @ precise)
         widths = np.sqrt(np.diagonal(inner, axis1=1, axis2=2))
-        # Widths may differ by any factor: the root is taken of correlations.
+        # Widths may differ by any factor, so the Cholesky factor is that of the correlations.
         near = np.linalg.cholesky(inner / (widths[:, :, None] * widths[:, None, :]))
         near = INFLATION**0.5 * widths[..., None] * near
         normal = rng.standard_normal((len(mean), tries, size))
@@ -162,7 +162,7 @@ class NormalBoard:
     def _density(self, x: Array) -> tuple[Array, Array]:
         """Return points in the model's units and order, and their log density, shape (W,).
 
-        The prior of the coefficients is not in it: the population is their prior.
+        It does not contain the prior of the coefficients, because the population is their prior.
         """
         points = np.empty_like(x)
         points[:, self.places] = x
@@ -176,24 +176,24 @@ class NormalBoard:
 
 
 def second_stage(log_weight: Array, rng: np.random.Generator) -> NDArray[np.intp]:
-    """Accept or reject proposals, each independent of the one before, by their weights.
+    """Accept or reject independent proposals by their weights.
 
     Parameters
     ----------
     log_weight : ndarray, shape (chains, N)
-        Log of density over proposal, for each chain in the order of its proposals.
+        Log ratio of target density to proposal density, in the order of each chain's proposals.
     rng : Generator
-        Of the acceptance.
+        Source of randomness.
 
     Returns
     -------
     ndarray of int, shape (chains, N)
-        The proposal at which each chain is.
+        Index of the proposal at which each chain is at each step.
     """
     threshold = np.log(rng.uniform(size=log_weight.shape))
     at = np.zeros(log_weight.shape, dtype=np.intp)
     for row, weights in enumerate(log_weight):
-        current = 0  # of weight −inf, the chain leaves it for any finite weight
+        current = 0  # if its weight is −inf, any finite weight is accepted
         for step in range(1, len(weights)):
             if weights[step] - threshold[row, step] > weights[current]:
                 current = step

@@ -1,7 +1,7 @@
-"""The information matrix of a linear Gaussian model, and the evidence that follows.
+"""The information matrix of a linear Gaussian model, and the evidence that follows from it.
 
-Given the noise, the log likelihood of the model's numbers g is a quadratic form: an
-information matrix (``precision``), a vector (``slope``) and a constant. Each number has an
+Given the noise, the log likelihood of the model's coefficients g is a quadratic form: an
+information matrix (``precision``), a vector (``slope``) and a constant. Each coefficient has an
 independent normal prior.
 """
 
@@ -14,21 +14,23 @@ from scipy.linalg.lapack import dpotri
 
 from bayesfric.arrays import Array, Whole
 
-ROUNDED = 1e-12  # relative to the largest eigenvalue: rounding error of the least one
+ROUNDED = 1e-12  # rounding error of the least eigenvalue, relative to the largest one
 
 
 @dataclass(frozen=True)
 class Reduced:
-    """A quadratic form in the amplitudes of candidates, all else integrated out.
+    """The likelihood of candidates' amplitudes A, with all other coefficients integrated out.
+
+    ``log p(data | A) = log_evidence + slopeᵀA − Aᵀ precision A / 2``.
 
     Parameters
     ----------
     precision : ndarray, shape (E, E)
-        Of the data alone, without the candidates' priors.
+        Information matrix of the data, without the candidates' priors.
     slope : ndarray, shape (E,)
-        So that ``log p(data | A) = log_evidence + slopeᵀA − Aᵀ precision A / 2``.
+        Gradient at A = 0.
     log_evidence : float
-        Without any candidate.
+        Log evidence without any candidate.
     """
 
     precision: Array
@@ -43,9 +45,9 @@ class Information:
     Parameters
     ----------
     precision : ndarray, shape (p, p)
-        Of the numbers g.
+        Information matrix of the coefficients g.
     slope : ndarray, shape (p,)
-        As above.
+        Gradient at g = 0.
     constant : float
         Log density at g = 0.
     """
@@ -63,19 +65,19 @@ class Information:
         )
 
     def at(self, numbers: Whole) -> "Information":
-        """Return the information on some numbers, with all others fixed at 0."""
+        """Return the information on some coefficients, with all others fixed at 0."""
         chosen = self.precision[np.ix_(numbers, numbers)]
         return Information(chosen, self.slope[numbers], self.constant)
 
     def mixed(self, numbers: Whole, mixing: Array) -> "Information":
-        """Return the information with adjacent numbers replaced by coefficients of combinations.
+        """Return the information with adjacent coefficients restricted to k combinations of them.
 
         Parameters
         ----------
         numbers : ndarray of int, shape (n,)
-            Positions of the adjacent numbers.
+            Indices of the adjacent coefficients.
         mixing : ndarray, shape (n, k)
-            One combination in each column.
+            One combination in each column; its amplitude is a new coefficient.
         """
         start = int(numbers[0]) if numbers.size else 0
         stop = start + numbers.size
@@ -87,15 +89,15 @@ class Information:
         return Information(of(of(self.precision).T), of(self.slope), self.constant)
 
     def reduced(self, mean: Array, prior_sd: Array, candidates: NDArray[np.intp]) -> Reduced:
-        """Integrate out all numbers but the candidates.
+        """Integrate out all coefficients except those of the candidates.
 
         Parameters
         ----------
         mean, prior_sd : ndarray, shape (p,)
-            Of each number's prior; those of the candidates are not used. A
-            standard deviation of 0 holds a number at its mean.
+            Mean and standard deviation of each coefficient's prior; those of the candidates are
+            not used. A standard deviation of 0 fixes a coefficient at its mean.
         candidates : ndarray of int
-            Places of the candidates.
+            Indices of the candidates' coefficients.
         """
         rest = np.delete(np.arange(self.slope.size), candidates)
         scale, at = prior_sd[rest], mean[rest]
@@ -115,7 +117,7 @@ class Information:
         )
 
     def integrated(self, mean: Array, prior_sd: Array) -> tuple[float, Array, Array]:
-        """Return the log evidence, and the posterior mean and covariance of all numbers."""
+        """Return the log evidence, and the posterior mean and covariance of all coefficients."""
         whole = prior_sd[:, None] * self.precision * prior_sd + np.eye(self.slope.size)
         factor = _factor(whole)
         left = self.precision @ mean
@@ -129,7 +131,7 @@ class Information:
         return float(value), mean + prior_sd * moved, prior_sd[:, None] * inverse * prior_sd
 
     def posterior(self, mean: Array, prior_sd: Array) -> tuple[Array, Array]:
-        """Return mean, shape (p,), and covariance, shape (p, p), of all numbers."""
+        """Return the posterior mean, shape (p,), and covariance, shape (p, p)."""
         whole = prior_sd[:, None] * self.precision * prior_sd + np.eye(self.slope.size)
         factor = _factor(whole)
         slope = prior_sd * (self.slope - self.precision @ mean)
@@ -140,9 +142,9 @@ class Information:
 def _factor(whole: Array) -> tuple[Array, bool]:
     """Return the Cholesky factor of a precision that includes a unit prior, and a flag.
 
-    No exact eigenvalue is below 1. At extreme noise parameters nearly all of 10¹⁴ cancels, and
-    rounding can leave eigenvalues below 1. They are set to 1 or, if the largest eigenvalue is
-    so large that this is below its rounding error, to that error.
+    Without rounding no eigenvalue is below 1. At extreme noise parameters, numbers of 10¹⁴ nearly
+    cancel, and rounding can leave eigenvalues below 1. They are set to 1 or, if the rounding error
+    of the largest eigenvalue exceeds 1, to that error.
     """
     try:
         return cho_factor(whole, lower=True)

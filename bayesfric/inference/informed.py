@@ -10,25 +10,26 @@ from bayesfric.inference.model import Model
 LEAST_CURVATURE = (
     1e-3  # least curvature of a direction: flatter ones differ by finite differences only
 )
-LINEAR_STEP = 1e-5  # of a prior's width, over which a change of coordinates is linear
-SOME = 500  # draws, the most probable of which is near the mode
+LINEAR_STEP = 1e-5  # step over which a change of coordinates is linear, in widths of the prior
+SOME = 500  # draws among which the most probable one is near the mode
 
 
 def informed_by_data(model: Model, draws: Array) -> NDArray[np.bool_]:
     """Return whether the data determine each parameter better than its prior does.
 
-    From the curvature of the log likelihood, in units of the priors' widths. Of the
-    coefficients the data alone are asked, all else at its prior: a direction of theirs that
-    the data leave open has a curvature below 1. Of any other parameter the data are asked
-    with all else at its prior, so that a scale that vanishes leaves the rest alone.
+    The answer follows from the curvature of the log likelihood, in units of the priors' widths.
+    A direction that the data do not determine has a curvature below 1. For coefficients, the
+    likelihood alone must determine them, with priors only for all other parameters. Any other
+    parameter is tested with the priors of all parameters, so that a scatter of 0, which cannot be
+    determined, does not affect it.
 
     Parameters
     ----------
     model : Model
-        Of D parameters.
+        Model with D parameters.
     draws : ndarray, shape (S, D)
-        Of the posterior, in the parameters' units. The curvature is taken at the most
-        probable of some of them: where directions are open, their medians lie beside all.
+        Draws of the posterior, in the parameters' units. The curvature is that at the most
+        probable of some draws; along undetermined directions, medians can be improbable.
 
     Returns
     -------
@@ -49,7 +50,7 @@ def informed_by_data(model: Model, draws: Array) -> NDArray[np.bool_]:
     step = curvature_steps(log_likelihood, z, 0.3 * unit)
     curvature = -finite_hessian(log_likelihood, z, step) * np.outer(unit, unit)
     values, vectors = np.linalg.eigh(curvature)
-    # At its maximum a likelihood has no negative curvature; elsewhere, or by rounding, it may.
+    # Away from the maximum of the likelihood, or by rounding, curvatures may be negative.
     information = (vectors * np.maximum(values, 0.0)) @ vectors.T
     posterior = np.linalg.inv(information + np.eye(z.size))
     informed = 1 / np.diag(posterior) - 1 > 1

@@ -14,28 +14,28 @@ from bayesfric.arrays import Array
 
 LogDensity = Callable[[Array], Array]
 
-DROP = 0.02  # step of a difference, in curvature standard deviations squared
-RESTARTS, STEPS = 60, 8  # of a climb at most; steps of a restart
-SETTLED = 0.1  # of the logarithm of steps: they are a scale, no more
-LEAST_CURVATURE = 1e-3  # of the whitened Hessian; flatter directions are cut off here
+DROP = 0.02  # change of the log density over the step of a finite difference [nat]
+RESTARTS, STEPS = 60, 8  # most restarts of the search for the mode, and steps of each
+SETTLED = 0.1  # tolerance of the logarithms of steps, which are only scales
+LEAST_CURVATURE = 1e-3  # least eigenvalue of the whitened negative Hessian
 
 
 class NoModeError(ValueError):
-    """The climb of a log density ended where its curvature is not finite."""
+    """The search for the mode reached a point at which the curvature is not finite."""
 
 
 @dataclass(frozen=True)
 class Laplace:
-    """A normal approximation.
+    """A normal approximation of a density.
 
     Parameters
     ----------
     mode : ndarray, shape (D,)
-        Where the density is largest.
+        Point of the largest density.
     covariance : ndarray, shape (D, D)
-        Inverse of the negative Hessian there.
+        Inverse of the negative Hessian at the mode.
     log_density : float
-        At the mode.
+        Log density at the mode.
     """
 
     mode: Array
@@ -44,38 +44,38 @@ class Laplace:
 
 
 def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -> Laplace:
-    """Climb to the mode and measure the curvature.
+    """Find the mode of a density and its curvature there.
 
     Parameters
     ----------
     log_density : callable
-        Points of shape (W, D) to log densities of shape (W,).
+        From points of shape (W, D) to log densities of shape (W,).
     start : ndarray, shape (D,)
         A point of finite density.
     scale : ndarray, shape (D,)
-        Widest plausible scale of each coordinate, such as its prior's.
+        Largest plausible scale of each coordinate, such as that of its prior.
 
     Returns
     -------
     Laplace
-        At the best point found.
+        The approximation at the best point.
 
     Raises
     ------
     ValueError
-        The density at `start` is not finite.
+        If the density at `start` is not finite.
     NoModeError
-        Its curvature is not finite on the way up.
+        If the search reaches a point at which the curvature is not finite.
     """
     best = float(log_density(start[None])[0])
     if not np.isfinite(best):
         raise ValueError(f"the log density at the start is {best}, not finite")
     point, steps = start, 1e-3 * scale
-    # Restarting rescales the coordinates with the curvature found so far. One Hessian is good
-    # for some steps of a trust region, and costs as much as dozens of gradients.
+    # Each restart rescales the coordinates by the present curvature. A Hessian costs as much as
+    # dozens of gradients, so it is kept for some steps of the trust region.
     for _ in range(RESTARTS):
         steps = curvature_steps(log_density, point, scale, steps)
-        bent = _whitened(log_density, point, steps)
+        curvature = _whitened(log_density, point, steps)
 
         def objective(u: Array, origin: Array = point, unit: Array = steps) -> float:
             return -float(log_density((origin + u * unit)[None])[0])
@@ -83,7 +83,7 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
         def gradient(u: Array, origin: Array = point, unit: Array = steps) -> Array:
             return -_gradient(log_density, origin + u * unit, unit) * unit
 
-        def hessian(u: Array, kept: Array = bent) -> Array:
+        def hessian(u: Array, kept: Array = curvature) -> Array:
             del u
             return kept
 
@@ -100,14 +100,14 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
             point, best = point + minimum.x * steps, -float(minimum.fun)
         if gain < 1e-4:
             break
-    values, vectors = np.linalg.eigh(bent)
+    values, vectors = np.linalg.eigh(curvature)
     inverse = (vectors / np.maximum(values, LEAST_CURVATURE)) @ vectors.T
     return Laplace(point, inverse * np.outer(steps, steps), best)
 
 
 def _whitened(log_density: LogDensity, point: Array, unit: Array) -> Array:
     """Return minus the Hessian in units of each coordinate, (D, D)."""
-    with np.errstate(invalid="ignore"):  # told by _finite
+    with np.errstate(invalid="ignore"):  # _finite raises an error
         return _finite(-finite_hessian(log_density, point, unit) * np.outer(unit, unit))
 
 
@@ -125,9 +125,9 @@ def finite_hessian(log_density: LogDensity, point: Array, unit: Array) -> Array:
     log_density : callable
         Points of shape (W, D) to log densities of shape (W,).
     point : ndarray, shape (D,)
-        Where.
+        The point.
     unit : ndarray, shape (D,)
-        Over which each coordinate changes the log density by about 1/2.
+        Change of each coordinate that changes the log density by about 1/2.
 
     Returns
     -------
@@ -150,11 +150,11 @@ def finite_hessian(log_density: LogDensity, point: Array, unit: Array) -> Array:
     )
     value = log_density(points)
     centre, plus, minus = value[0], value[1 : size + 1], value[size + 1 : 2 * size + 1]
-    bent = plus - 2 * centre + minus
+    second = plus - 2 * centre + minus
     together = np.add(*np.split(value[2 * size + 1 :], 2)) - 2 * centre
-    hessian = np.diag(bent / step**2)
-    # Along both at once the curvature is that of each, and twice the mixed one.
-    mixed = (together - bent[row] - bent[column]) / (2 * step[row] * step[column])
+    hessian = np.diag(second / step**2)
+    # The second difference along two coordinates at once contains twice the mixed derivative.
+    mixed = (together - second[row] - second[column]) / (2 * step[row] * step[column])
     hessian[row, column] = hessian[column, row] = mixed
     return hessian
 
@@ -162,7 +162,7 @@ def finite_hessian(log_density: LogDensity, point: Array, unit: Array) -> Array:
 def _gradient(log_density: LogDensity, point: Array, unit: Array) -> Array:
     step = np.sqrt(2 * DROP) * unit
     value = log_density(np.concatenate([point + np.diag(step), point - np.diag(step)]))
-    with np.errstate(invalid="ignore"):  # told by _finite
+    with np.errstate(invalid="ignore"):  # _finite raises an error
         return _finite((value[: point.size] - value[point.size :]) / (2 * step))
 
 
@@ -176,16 +176,16 @@ def curvature_steps(
     log_density : callable
         Points of shape (W, D) to log densities of shape (W,).
     point : ndarray, shape (D,)
-        Where.
+        The point.
     scale : ndarray, shape (D,)
-        The largest change allowed.
+        Largest change of each coordinate.
     first : ndarray, shape (D,), or None
-        A guess, such as those of a point nearby; None is a thousandth of the scale.
+        First estimate, such as the result at a point nearby; None means a thousandth of `scale`.
 
     Returns
     -------
     ndarray, shape (D,)
-        From the curvature along each coordinate.
+        Changes, from the curvature along each coordinate.
     """
     steps = 1e-3 * scale if first is None else first
     for _ in range(6):
@@ -195,7 +195,7 @@ def curvature_steps(
         with np.errstate(divide="ignore", invalid="ignore"):
             second = np.abs(value[1 : size + 1] - 2 * value[0] + value[size + 1 :]) / steps**2
             wanted = 1 / np.sqrt(second)
-        # Beyond an edge of the density a difference is not finite: come closer.
+        # Beyond an edge of the density a difference is not finite, and the step is reduced.
         changed = np.where(np.isfinite(second), np.minimum(wanted, scale), 0.1 * steps)
         settled = bool((np.abs(np.log(changed / steps)) < SETTLED).all())
         steps = changed

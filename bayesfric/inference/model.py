@@ -1,4 +1,4 @@
-"""Priors and likelihoods put together: one log posterior for a whole ensemble."""
+"""Combines priors and likelihoods to one log posterior, evaluated for a whole ensemble at once."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple, Protocol
@@ -19,8 +19,8 @@ from bayesfric.inference.priors import (
     to_normal,
 )
 
-START_RANGE = 6.0  # prior standard deviations; an estimate beyond is not believed
-BATCH = 24_000  # trials times walkers: more at once fall out of the processor's cache
+START_RANGE = 6.0  # largest distance of a starting value from the prior's middle [prior sd]
+BATCH = 24_000  # trials times walkers whose arrays fit in the processor's cache
 
 
 class GivenRest(NamedTuple):
@@ -108,9 +108,9 @@ class Model:
     Parameters
     ----------
     likelihoods : sequence of RigLikelihood
-        Independent given the parameters.
+        Likelihoods of the rigs, independent given the parameters.
     more : sequence of Parameter
-        Parameters that no likelihood has by itself; they come last.
+        Further parameters, which no likelihood lists; they come last.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class Model:
             for place, parameter in enumerate(self.parameters)
             if parameter.share_of is not None
         ]
-        """Places of parameters whose prior is of a share, and of what they are shares of."""
+        """Indices of parameters with a prior on a share, and of the parameters they refer to."""
         self._straight = [
             (places, prior, np.array([self.parameters[k].power for k in places], dtype=np.float64))
             for places, prior in self._by_family(
@@ -136,7 +136,7 @@ class Model:
         ]
 
     def _by_family(self, places: Iterable[int]) -> list[tuple[NDArray[np.intp], Prior]]:
-        """Return which parameters have priors of one family, and these priors as one."""
+        """Return indices of the parameters of each family of priors, and their combined prior."""
         there = list(places)
         return [
             (np.array([there[k] for k in members]), prior)
@@ -166,7 +166,7 @@ class Model:
         return z
 
     def _as_shares(self, theta: Array) -> Array:
-        """Return the quantities whose densities the priors are, shape (…, D)."""
+        """Return the quantities to which the priors apply (parameters or shares), shape (…, D)."""
         if not self._shares:
             return theta
         values = theta.copy()
@@ -175,9 +175,10 @@ class Model:
         return values
 
     def coordinates(self, z: Array) -> Array:
-        """Return points in which the posterior is nearer to a normal one, shape (W, D).
+        """Return coordinates in which the posterior is closer to normal, shape (W, D).
 
-        Parameters that have a :attr:`Parameter.power` are raised to it, others stay as they are.
+        Parameters with a :attr:`Parameter.power` are raised to it; others stay on the sampling
+        scale.
         """
         x = z.copy()
         for places, prior, power in self._straight:
@@ -187,13 +188,13 @@ class Model:
         return x
 
     def _natural_at(self, place: int, z: Array) -> Array:
-        """Return one parameter in its unit, which is no share of another, shape (W,)."""
+        """Return one parameter in its unit, shape (W,); its own prior must not be on a share."""
         return np.asarray(from_normal(self.parameters[place].prior, z[:, place]))
 
     def from_coordinates(self, x: Array) -> Array:
-        """Return the points of :meth:`coordinates`; not finite where there is no such point."""
+        """Return the points of :meth:`coordinates`; NaN if there is no such point."""
         z = x.copy()
-        with np.errstate(all="ignore"):  # no power of a negative number, and no share of nothing
+        with np.errstate(all="ignore"):  # powers of negative numbers, and shares of 0, are NaN
             values = x.copy()
             for part, whole in self._shares:
                 values[:, part] /= x[:, whole]  # of power 1: it is its own coordinate
@@ -208,13 +209,13 @@ class Model:
         slope = np.zeros(len(z))
         for places, prior, power in self._straight:
             value = from_normal(prior, z[:, places])
-            # One probability in either coordinate: N(z) dz = p(x) dx.
+            # The probability is the same in both coordinates: N(z) dz = p(x) dx.
             normal = -0.5 * (LOG_2PI + z[:, places] ** 2)
             slope += (normal - log_density(prior, value)).sum(axis=1)
-            bent = power != 1
-            # Far out in its prior a positive number underflows to 0, which has no logarithm.
-            positive = np.maximum(value[:, bent], np.finfo(np.float64).tiny)
-            raised = np.log(positive) * (power[bent] - 1) + np.log(power[bent])
+            curved = power != 1
+            # Far in the tail of its prior, a positive parameter underflows to 0.
+            positive = np.maximum(value[:, curved], np.finfo(np.float64).tiny)
+            raised = np.log(positive) * (power[curved] - 1) + np.log(power[curved])
             slope += raised.sum(axis=1)
         for _, whole in self._shares:
             slope += np.log(np.maximum(self._natural_at(whole, z), np.finfo(np.float64).tiny))
@@ -231,7 +232,7 @@ class Model:
     def log_priors(self, theta: Array) -> Array:
         """Return the log prior density of each parameter, shape (…, D).
 
-        That of a share is given the parameter of which it is one.
+        The prior of a parameter with `share_of` is conditional on the parameter that this names.
         """
         shares = self._as_shares(theta)
         density = np.empty_like(theta)
@@ -249,7 +250,7 @@ class Model:
         return np.concatenate([self._log_likelihood(part) for part in parts])
 
     def _log_likelihood(self, theta: Array) -> Array:
-        """Return the log density of the raw data for as many walkers as fit a cache, (W,)."""
+        """Return the log density of the raw data for one batch of walkers, (W,)."""
         named = self.by_name(theta)
         terms = np.array([rig.log_likelihood(named) for rig in self.likelihoods])
         return np.asarray(terms.sum(axis=0))

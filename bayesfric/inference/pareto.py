@@ -1,7 +1,7 @@
-"""Importance weights with their largest smoothed, as Pareto quantiles (PSIS).
+"""Pareto-smoothed importance sampling (PSIS): the largest weights become Pareto quantiles.
 
-Written out, since ArviZ's own takes two seconds and 60 MiB to load, which a diagnosis and a
-claim have no other use for; `tests/inference/test_diagnostics.py` holds it against that.
+ArviZ has this method too, but takes two seconds and 60 MiB to load, and a diagnosis or a claim
+needs nothing else of it. `tests/inference/test_diagnostics.py` compares the two.
 """
 
 import numpy as np
@@ -9,9 +9,9 @@ from scipy.special import logsumexp
 
 from bayesfric.arrays import Array
 
-LEAST_WEIGHTS = 25  # the tail is a fifth of them, and needs five
-SHAPE, SHAPE_WEIGHT = 0.5, 10  # prior of the shape: a mean, and how many weights it counts for
-NEGLIGIBLE = 10 * np.finfo(np.float64).eps  # of the probability of a point of the grid
+LEAST_WEIGHTS = 25  # a tail has a fifth of the weights, and at least five
+SHAPE, SHAPE_WEIGHT = 0.5, 10  # mean of the shape's prior, and the number of weights it equals
+NEGLIGIBLE = 10 * np.finfo(np.float64).eps  # probability of a grid point that is ignored
 
 
 def smooth_weights(log_weights: Array) -> tuple[Array, float]:
@@ -20,16 +20,16 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
     Parameters
     ----------
     log_weights : ndarray, shape (N,)
-        Unnormalised; −inf is a weight of zero.
+        Unnormalised log weights; −inf is a weight of zero.
 
     Returns
     -------
     log_weights : ndarray, shape (N,)
-        Smoothed, on the scale of those given.
+        Smoothed log weights, on the scale of the given ones.
     pareto_k : float
-        Shape of the tail: above 0.7 (`SamplingRules.pareto_k`) the weights are not to be relied on.
-        0 where the largest weights are all the same, inf where fewer than 25 are not zero or
-        where a quarter of the tail is one and the same draw or nothing beside the largest.
+        Shape of the tail. Above 0.7 (`SamplingRules.pareto_k`) the weights are unreliable. It is 0
+        if the largest weights are equal. It is inf if fewer than 25 weights are positive, or if a
+        quarter of the tail has equal weights or is negligible against the largest weight.
 
     References
     ----------
@@ -45,11 +45,11 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
         return log_weights, 0.0  # no tail to fit
     tail = int(min(ordered.size / 5, 3 * np.sqrt(ordered.size)))
     if ordered[tail // 4 - tail] == ordered[-tail]:
-        return log_weights, float("inf")  # a quarter of the tail is one draw
+        return log_weights, float("inf")  # a quarter of the tail has equal weights
     beside = np.exp(ordered[-tail - 1 :] - ordered[-1])
     if beside[int(tail / 4 + 0.5)] == beside[0]:
-        return log_weights, float("inf")  # a quarter of the tail vanishes beside its largest
-    # Quantiles of a tail that spans the range of doubles overflow; they are cut to the largest.
+        return log_weights, float("inf")  # a quarter of the tail is negligible
+    # Quantiles of a very long tail overflow; they are limited to the largest weight.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         k, scale = _fitted(beside[1:] - beside[0])
         rank = (np.arange(tail) + 0.5) / tail
@@ -63,10 +63,11 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
 
 
 def _fitted(beyond: Array) -> tuple[float, float]:
-    """Return shape and scale of the generalised Pareto distribution of ascending numbers.
+    """Return shape and scale of a generalised Pareto distribution fitted to ascending numbers.
 
-    The posterior mean over a grid of −shape/scale; J. Zhang, M. A. Stephens, "A new and efficient
-    estimation method for the generalized Pareto distribution", Technometrics 51 (2009).
+    The estimate is the posterior mean over a grid of −shape/scale: J. Zhang, M. A. Stephens, "A new
+    and efficient estimation method for the generalized Pareto distribution", Technometrics 51
+    (2009).
     """
     count = beyond.size
     points = 30 + int(np.sqrt(count))

@@ -1,13 +1,13 @@
-"""The smallest effect that data would have shown, from the error of its amplitude.
+"""The smallest effect that data would show, from the standard error of its amplitude.
 
-If data determine the amplitude A of an effect with the error σ, they give an estimate
+If data determine the amplitude A of an effect with the standard error σ, they give an estimate
 Â ~ N(A, σ²). The Bayes factor for the effect follows from the estimate and the prior,
 
     B(Â) = ∫ N(Â; A, σ²) p(A) dA / N(Â; 0, σ²),
 
-and rises with it. The effect is found if B reaches a threshold, at the estimate a. An
-amplitude of a + z σ is found with the probability Φ(z). The error may come from draws of a
-posterior, or from the information of a design before anything was measured.
+and increases with the estimate. The effect is found if B reaches a threshold, at an estimate a. An
+amplitude of a + z σ is therefore found with probability Φ(z). The standard error may come from
+draws of a posterior, or from the information of a design before any measurement.
 """
 
 import numpy as np
@@ -18,26 +18,26 @@ from bayesfric.analysis import Prior
 from bayesfric.arrays import Array
 from bayesfric.inference.priors import LOG_2PI, from_normal, log_density, prior_sd
 
-NODES = np.linspace(-9.0, 9.0, 721)  # in errors around an estimate
-LARGEST = 1e4  # errors: an effect that far out is found whatever the prior
+NODES = np.linspace(-9.0, 9.0, 721)  # nodes around an estimate, in standard errors
+LARGEST = 1e4  # amplitude that is found under any prior, in standard errors
 LEAST_PRECISION_RATIO = (
     1.05  # least ratio of posterior to prior precision of an amplitude that data inform
 )
-LEAST_QUANTILE = -8.0  # where a prior that knows one sign ends
+LEAST_QUANTILE = -8.0  # normal quantile at which the sign of a prior is tested
 
 
 def log_bayes_factor(estimate: float, error: float, prior: Prior) -> float:
-    """Return the log Bayes factor for an effect whose amplitude has this estimate [nat].
+    """Return the log Bayes factor for an effect whose amplitude has a given estimate [nat].
 
     Parameters
     ----------
     estimate, error : float
-        Of the amplitude, by the data alone.
+        Estimate of the amplitude and its standard error, by the data alone.
     prior : Prior
-        Of the amplitude.
+        Prior of the amplitude.
     """
     step = float(np.log(NODES[1] - NODES[0]))
-    if prior_sd(prior) < error:  # far out nodes around an estimate pass it by
+    if prior_sd(prior) < error:  # nodes around the estimate would miss a narrow prior
         amplitude = from_normal(prior, NODES)
         gained = amplitude * (estimate - amplitude / 2) / error**2
         return float(logsumexp(gained - 0.5 * (NODES**2 + LOG_2PI))) + step
@@ -50,18 +50,18 @@ def log_bayes_factor(estimate: float, error: float, prior: Prior) -> float:
 
 
 def smallest_found(error: float, prior: Prior, threshold: float, probability: float) -> float:
-    """Return the smallest amplitude that is found with a probability.
+    """Return the smallest positive amplitude that is found with a given probability.
 
     Parameters
     ----------
     error : float
-        Of the amplitude, by the data alone.
+        Standard error of the amplitude, by the data alone.
     prior : Prior
-        Of the amplitude; positive amplitudes are asked about.
+        Prior of the amplitude.
     threshold : float
-        Log Bayes factor from which on the effect is found [nat].
+        Least log Bayes factor of an effect that is found [nat].
     probability : float
-        Of finding it.
+        Probability of finding it.
     """
 
     def beyond(errors: float) -> float:
@@ -75,38 +75,40 @@ def smallest_found(error: float, prior: Prior, threshold: float, probability: fl
 
 
 def smallest_told_apart(error: float, threshold: float, probability: float) -> float:
-    """Return the smallest amplitude at which data prefer an effect to another, or 0.
+    """Return the smallest amplitude of an effect that data distinguish from another effect.
 
-    Each of two effects of like priors takes what it can of the data. Where the first acts, their
-    log evidences differ by N(d² / 2, d²), d being its amplitude in errors, where that is above 1.
+    The two effects have similar priors, and each is fitted to the data. If the first one acts with
+    an amplitude of d standard errors (d > 1), the difference of their log evidences has the
+    distribution N(d² / 2, d²).
 
     Parameters
     ----------
     error : float
-        Of the amplitude, beside any amount of the other effect.
+        Standard error of the amplitude, estimated together with that of the other effect.
     threshold : float
-        Log odds from which on the first is preferred [nat].
+        Least log odds for the first effect [nat].
     probability : float
-        Of that.
+        Probability that the log odds reach the threshold.
     """
     normal = float(ndtri(probability))
     return error * max(normal + float(np.sqrt(normal**2 + 2 * threshold)), 0.0)
 
 
 def amplitude_error(draws: Array, prior: Prior) -> float | None:
-    """Return the error of an amplitude by the data alone, or None where they do not inform it.
+    """Return the standard error of an amplitude by the data alone; None if they do not inform it.
 
     Parameters
     ----------
     draws : ndarray, shape (S,)
-        Of its posterior.
+        Draws of its posterior.
     prior : Prior
-        Of the amplitude: normal, or one that knows its sign and is cut at zero.
+        Prior of the amplitude: normal, or positive.
 
     Notes
     -----
-    A posterior that is a normal cut at zero has a ratio of its second moment to the square of
-    its mean between 1 and 2, which gives the normal.
+    With a positive prior, the posterior is taken as a normal distribution truncated at zero. The
+    ratio of its second moment to its squared mean, which is between 1 and 2, determines that
+    normal distribution.
     """
     width = prior_sd(prior) ** 2
     spread = float(draws.var())
@@ -122,7 +124,13 @@ def amplitude_error(draws: Array, prior: Prior) -> float | None:
 
 
 def _uncut(mean: float, square: float) -> float:
-    """Return the variance of the normal whose part above zero has these two moments."""
+    """Return the variance of a normal distribution, from the moments of its truncation at zero.
+
+    Parameters
+    ----------
+    mean, square : float
+        First and second moment of the truncated distribution.
+    """
 
     def ratio(place: float) -> float:
         first, second = _moments(place)
@@ -139,7 +147,7 @@ def _uncut(mean: float, square: float) -> float:
 
 
 def _moments(place: float) -> tuple[float, float]:
-    """Return the first two moments of N(place, 1) cut at zero."""
+    """Return the first two moments of N(place, 1) truncated at zero."""
     x = np.linspace(0.0, max(place, 0.0) + 9.0, 4001)
     log = -0.5 * (x - place) ** 2
     weight = np.exp(log - log.max())

@@ -1,8 +1,8 @@
 """Normalised prior densities, and the scale on which a parameter is sampled.
 
-A parameter is sampled as the z at which a standard normal has the same quantile as
-the parameter has under its prior: the prior is N(0, 1) there, whatever its family,
-bounds are at infinity, and a scale that may vanish has no long tail.
+A parameter is sampled as a number z. The standard normal probability below z is the prior
+probability below the parameter. On this scale every prior is N(0, 1), bounds are at infinity, and
+a standard deviation near 0 has no long tail.
 """
 
 from collections.abc import Sequence
@@ -31,9 +31,8 @@ from bayesfric.families import (
 from bayesfric.inference.quadratic import LOG_2PI as LOG_2PI
 
 LOG_2 = float(np.log(2))
-QUANTILES = 1000  # of a parameter of which another is a share
-FARTHEST_Z = 30.0  # standard deviations; tail probabilities soon underflow, their logarithms do not
-
+QUANTILES = 1000  # quantiles over which the density of a share's product is averaged
+FARTHEST_Z = 30.0  # standard deviations beyond which logarithms of tail probabilities are used
 
 CLOSED_FORMS = (HalfNormal, LogNormal, Normal, Uniform)
 
@@ -47,20 +46,19 @@ class Parameter:
     Parameters
     ----------
     name : str
-        Unique, as in ``c1[small]``.
+        Unique name, such as ``c1[small]``.
     unit : str
-        SI, angles in degrees; ``1`` for a ratio.
+        SI unit, with angles in degrees; ``1`` for a ratio.
     prior : Prior
         Normalised density in that unit.
     kind : {"coefficient", "scatter", "noise", "other"}
-        What it is in results.
+        Group of the parameter in results.
     power : float or None
-        Of the parameter, whose posterior is near to a normal one in that power: 1 for what the
-        data are linear in, 1/2 for a standard deviation that may vanish. None is the sampling
-        space.
+        Power of the parameter in which its posterior is nearly normal: 1 if the data are linear
+        in it, 1/2 for a standard deviation that may be 0. None means the sampling scale z.
     share_of : Parameter or None
-        The positive parameter, of power 1, of which `prior` says the share: it is the density
-        of this parameter over that one, and independent of it.
+        A positive parameter with power 1. `prior` is then the density of the ratio of this
+        parameter to that one, and the ratio is independent of it.
     """
 
     name: str
@@ -71,7 +69,7 @@ class Parameter:
     share_of: "Parameter | None" = None
 
     def sd(self) -> float:
-        """Return the standard deviation of its marginal prior; infinite where it has none."""
+        """Return the standard deviation of its marginal prior; infinite if it has none."""
         if self.share_of is None:
             return prior_sd(self.prior)
         priors = (self.prior, self.share_of.prior)
@@ -82,7 +80,7 @@ class Parameter:
         return float(np.sqrt(square - mean**2))
 
     def width(self) -> float:
-        """Return that standard deviation, or half its interval of 68 % where it has none."""
+        """Return that standard deviation; if it has none, about half its 68 % interval."""
         sd = self.sd()
         if np.isfinite(sd):
             return sd
@@ -92,15 +90,12 @@ class Parameter:
     def density(self, value: ArrayLike) -> NDArray[np.float64]:
         """Return its marginal prior density.
 
+        That of a parameter with `share_of` is averaged over quantiles of the other parameter.
+
         Parameters
         ----------
         value : array_like
             In the parameter's unit.
-
-        Returns
-        -------
-        ndarray
-            Of a share the mean over quantiles of that of which it is one.
         """
         x = np.asarray(value, dtype=np.float64)
         if self.share_of is None:
@@ -116,19 +111,19 @@ class Parameter:
 
 
 def joined(priors: Sequence[Prior]) -> list[tuple[list[int], Prior]]:
-    """Return priors with those of one family put together.
+    """Combine priors of the same family, so that they are evaluated in one call.
 
     Parameters
     ----------
     priors : sequence of Prior
-        One a parameter.
+        The prior of each parameter.
 
     Returns
     -------
     list of (list of int, Prior)
-        Places in `priors`, and a prior whose numbers are arrays over these places: for
-        :func:`log_density`, :func:`from_normal` and :func:`to_normal` of values with these
-        places as their last axis. A family that is computed by SciPy stays one a place.
+        Indices in `priors`, and a prior whose constants are arrays over these indices.
+        :func:`log_density`, :func:`from_normal` and :func:`to_normal` take it with values whose
+        last axis has these indices. Priors without a closed form are not combined.
     """
     together: dict[object, list[int]] = {}
     for place, prior in enumerate(priors):
@@ -157,7 +152,7 @@ def log_density(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
     prior : Prior
         The density.
     value : array_like
-        Where to evaluate it, in the parameter's unit.
+        Values in the parameter's unit.
     """
     x = np.asarray(value, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -195,19 +190,19 @@ def quantile(prior: Prior, probability: ArrayLike) -> NDArray[np.float64]:
 
 
 def from_normal(prior: Prior, z: ArrayLike) -> NDArray[np.float64]:
-    """Return the parameter whose prior quantile is that of a standard normal z.
+    """Return the parameter at which the prior has the probability of a standard normal below z.
 
     Parameters
     ----------
     prior : Prior
         The density.
     z : array_like
-        Sampling scale.
+        Values on the sampling scale.
     """
     z = np.asarray(z, dtype=np.float64)
     match prior:
         case HalfNormal(scale=scale):
-            # Either form loses its digits in the other's tail.
+            # Each form is inexact in the tail of the other.
             low = np.sqrt(2) * special.erfinv(special.ndtr(np.minimum(z, 0.0)))
             high = -special.ndtri(special.ndtr(-np.clip(z, 0.0, FARTHEST_Z)) / 2)
             value = np.where(z < 0, low, high)
@@ -221,27 +216,27 @@ def from_normal(prior: Prior, z: ArrayLike) -> NDArray[np.float64]:
             return np.asarray(mean + sd * z)
         case Uniform(low=lowest, high=highest):
             return np.asarray(lowest + (highest - lowest) * special.ndtr(z))
-        case TruncatedNormal(mean=mean, sd=sd):  # SciPy's takes fifty times as long
+        case TruncatedNormal(mean=mean, sd=sd):  # SciPy's function takes fifty times as long
             sign, first, last = _between(prior)
             u = sign * z
             tail = special.ndtr(-np.abs(u)) * (last - first)
             inside = np.where(u < 0, first + tail, last - tail)
             return np.asarray(mean + sign * sd * special.ndtri(inside))
         case _:
-            # Each tail from its own side: a probability near 1 has lost the digits that it lacks.
+            # Upper tails use their own probability, since 1 minus a small number loses digits.
             tail, density = special.ndtr(-np.abs(z)), _frozen(prior)
             return np.asarray(np.where(z < 0, density.ppf(tail), density.isf(tail)))
 
 
 def to_normal(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
-    """Return the sampling scale of a parameter: the inverse of :func:`from_normal`.
+    """Return the value of a parameter on the sampling scale, the inverse of :func:`from_normal`.
 
     Parameters
     ----------
     prior : Prior
         The density.
     value : array_like
-        In the parameter's unit; ±inf comes back at and beyond the prior's bounds.
+        Values in the parameter's unit. At and beyond the prior's bounds the result is ±inf.
     """
     x = np.asarray(value, dtype=np.float64)
     match prior:
@@ -268,12 +263,16 @@ def to_normal(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def _nearer_tail(below: Array, above: Array) -> Array:
-    """Return normal quantiles by the smaller of the probabilities below and above."""
+    """Return normal quantiles, from the smaller of the probabilities below and above."""
     return np.asarray(np.where(below < above, special.ndtri(below), -special.ndtri(above)))
 
 
 def _between(prior: TruncatedNormal) -> tuple[int, float, float]:
-    """Return normal probabilities of the bounds, turned round where both are above the mean."""
+    """Return a sign, and normal probabilities of the bounds.
+
+    If both bounds are above the mean, the sign is −1 and the bounds are mirrored at the mean, so
+    that both probabilities keep their digits.
+    """
     low = (prior.lowest - prior.mean) / prior.sd
     high = np.inf if prior.high is None else (prior.high - prior.mean) / prior.sd
     sign = -1 if low > 0 else 1
@@ -282,13 +281,13 @@ def _between(prior: TruncatedNormal) -> tuple[int, float, float]:
 
 
 def prior_sd(prior: Prior) -> float:
-    """Return the standard deviation of a prior; infinite where it has none."""
+    """Return the standard deviation of a prior; infinite if it has none."""
     sd = float(_frozen(prior).std())
     return sd if np.isfinite(sd) else np.inf
 
 
 def prior_width(prior: Prior) -> float:
-    """Return the standard deviation of a prior, or half its interval of 68 % where it has none."""
+    """Return the standard deviation of a prior; if it has none, half its 68 % interval."""
     sd = prior_sd(prior)
     low, high = from_normal(prior, [-1.0, 1.0])
     return sd if np.isfinite(sd) else float(high - low) / 2

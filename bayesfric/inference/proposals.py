@@ -1,7 +1,7 @@
-"""A Student-t fitted to a density: the proposal of ensembles and importance samples.
+"""Student-t proposals for ensembles and importance samples, fitted to a density.
 
-It is fitted in the coordinates of a :class:`Chart`, to points of an importance sample around
-the mode. If no such sample is reliable, :mod:`bayesfric.inference.sampling` fits it to pilot
+A proposal is fitted in the coordinates of a :class:`Chart`, to points of an importance sample
+around the mode. If no such sample is reliable, :mod:`bayesfric.inference.sampling` fits it to pilot
 runs.
 
 References
@@ -25,20 +25,20 @@ from bayesfric.inference.laplace import LogDensity as LogDensity
 from bayesfric.inference.pareto import smooth_weights
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
-Random = np.random.RandomState | np.random.Generator  # emcee has the former
+Random = np.random.RandomState | np.random.Generator  # emcee uses the former
 
-FREEDOMS = (6.0, 12.0, 24.0, 48.0)  # all of heavier tails than a normal density
-INFLATION = 1.1  # of a covariance: a posterior that is not normal is covered too
-POINTS = 1000  # of an importance sample
-PASSES = 5  # each from a proposal that is fitted to the one before
-LEAST_EFFECTIVE = 0.25  # of the points
-LEAST_A_COORDINATE = 2  # points that count, for a covariance
-SLOPE_STEP = 1e-4  # of a chart's derivative, in standard deviations
-LEAST_SPREAD = 1e-10  # of a coordinate's value: differences of less are rounding errors
+FREEDOMS = (6.0, 12.0, 24.0, 48.0)  # degrees of freedom that are tried
+INFLATION = 1.1  # factor on a fitted covariance, for posteriors that are not normal
+POINTS = 1000  # points of an importance sample
+PASSES = 5  # importance samples, each from a proposal fitted to the previous one
+LEAST_EFFECTIVE = 0.25  # least effective sample size, relative to the number of points
+LEAST_A_COORDINATE = 2  # least effective sample size for each dimension of a covariance
+SLOPE_STEP = 1e-4  # step of a chart's numerical derivative [sd]
+LEAST_SPREAD = 1e-10  # relative spread of a coordinate below which it is rounding error
 
 
 class StudentT:
-    """A multivariate Student-t.
+    """A multivariate Student-t distribution.
 
     Parameters
     ----------
@@ -64,10 +64,10 @@ class StudentT:
 
     @classmethod
     def around(cls, points: Array) -> "StudentT":
-        """Fit it to points of shape (N, D).
+        """Fit the distribution to points of shape (N, D).
 
-        Of its degrees of freedom those are taken under which the points are most likely: in
-        many dimensions most draws of tails that are too heavy are refused.
+        The degrees of freedom are those of the highest likelihood. In many dimensions, most
+        proposals from tails that are too heavy would be rejected.
         """
         location = points.mean(axis=0)
         covariance = INFLATION * np.atleast_2d(np.cov(points, rowvar=False))
@@ -77,12 +77,12 @@ class StudentT:
         return max(candidates, key=lambda student: float(student.log_density(points).sum()))
 
     def wider(self, factor: float) -> "StudentT":
-        """Return one of the same centre, `factor` times as wide, with the heaviest tails."""
+        """Return one with the same centre, `factor` times as wide, and the heaviest tails."""
         root = factor * self._root
         return StudentT(self.location, root @ root.T)
 
     def draw(self, size: int, rng: Random, inflation: float = 1.0) -> Array:
-        """Return draws of shape (size, D), `inflation` times as wide."""
+        """Return draws of shape (size, D), with their spread multiplied by `inflation`."""
         normal = rng.standard_normal((size, self.location.size))
         stretch = np.sqrt(self.freedom / rng.chisquare(self.freedom, size))
         return self.location + inflation * stretch[:, None] * (normal @ self._root.T)
@@ -97,19 +97,19 @@ class StudentT:
 
 @dataclass(frozen=True)
 class Chart:
-    """Coordinates in which a density may be nearer to a normal one.
+    """Coordinates in which a density may be closer to normal.
 
-    A narrow ridge that is straight in one chart is bent in another, where no
-    Student-t follows it.
+    A narrow ridge may be straight in one chart and curved in another, in which no Student-t
+    distribution fits it.
 
     Parameters
     ----------
     forward : callable
-        Points of the sampling space to their coordinates, both of shape (W, D).
+        From points of the sampling space to their coordinates, both of shape (W, D).
     inverse : callable
-        Back; not finite where there is no such point.
+        From coordinates to points; not finite if there is no such point.
     log_slope : callable
-        Points to the log determinant of the derivative of `forward`, shape (W,).
+        From points to the log determinant of the derivative of `forward`, shape (W,).
     """
 
     forward: Callable[[Array], Array]
@@ -122,12 +122,12 @@ SAMPLING_SPACE = Chart(lambda z: z, lambda x: x, lambda z: np.zeros(len(z)))
 
 @dataclass(frozen=True)
 class Proposal:
-    """A Student-t in the coordinates of a chart, proposing points of the sampling space.
+    """A distribution of points of the sampling space, Student-t in the coordinates of a chart.
 
     Parameters
     ----------
     student : StudentT
-        In the coordinates.
+        Distribution of the coordinates.
     chart : Chart
         The coordinates.
     """
@@ -137,9 +137,9 @@ class Proposal:
 
     @classmethod
     def around(cls, points: Array, chart: Chart) -> "Proposal":
-        """Fit it to points of the sampling space, shape (N, D).
+        """Fit a proposal to points of the sampling space, shape (N, D).
 
-        It is fitted in the sampling space where the coordinates of the chart have no spread.
+        If a coordinate of the chart has no spread, it is fitted in the sampling space itself.
         """
         coordinates = chart.forward(points)
         if not _has_spread(coordinates.mean(axis=0), coordinates.std(axis=0)):
@@ -148,9 +148,9 @@ class Proposal:
 
     @classmethod
     def at_mode(cls, laplace: Laplace, chart: Chart) -> "Proposal":
-        """Carry a normal approximation over to the coordinates, with heavier tails.
+        """Transform a normal approximation to the coordinates of a chart, with heavier tails.
 
-        It stays in the sampling space where the coordinates of the chart have no spread.
+        If a coordinate of the chart has no spread, it stays in the sampling space.
         """
         mode, sd = laplace.mode, np.sqrt(np.diag(laplace.covariance))
         shifts = SLOPE_STEP * np.diag(sd)
@@ -165,7 +165,7 @@ class Proposal:
     def draw(
         self, size: int, rng: Random, inflation: float = 1.0
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """Return draws, shape (size, D), and which of them are points of the sampling space."""
+        """Return draws, shape (size, D), and which of them are finite points, shape (size,)."""
         z = self.chart.inverse(self.student.draw(size, rng, inflation))
         return z, np.asarray(np.isfinite(z).all(axis=1))
 
@@ -174,7 +174,7 @@ class Proposal:
         return self.student.log_density(self.chart.forward(z)) + self.chart.log_slope(z)
 
     def propose(self, walkers: Array, rng: np.random.RandomState) -> tuple[Array, Array]:
-        """Return proposals and log q(here) − log q(proposals), as emcee wants it."""
+        """Return proposals and log q(walkers) − log q(proposals), as emcee requires."""
         z, possible = self.draw(len(walkers), rng)
         z = np.where(possible[:, None], z, walkers)
         factor = self.log_density(walkers) - self.log_density(z)
@@ -182,9 +182,9 @@ class Proposal:
 
 
 def _has_spread(centre: Array, sd: Array) -> bool:
-    """Return whether each coordinate varies by more than rounding.
+    """Return whether each coordinate varies by more than rounding errors.
 
-    Far out in its prior a positive number underflows: it is 0 wherever it is drawn.
+    Far in the tail of its prior, a positive parameter underflows, and all its draws are 0.
     """
     return bool((sd > LEAST_SPREAD * np.abs(centre)).all())
 
@@ -199,8 +199,8 @@ def importance_points(
 ) -> Array | None:
     """Draw points of a density by importance sampling around its mode.
 
-    The first sample is of the normal approximation with heavier tails, each further one of a
-    proposal that is fitted to the sample before.
+    The first sample is drawn from the normal approximation with heavier tails. Each further sample
+    is drawn from a proposal that is fitted to the previous sample.
 
     Parameters
     ----------
@@ -209,19 +209,19 @@ def importance_points(
     laplace : Laplace
         Normal approximation of the density.
     chart : Chart
-        In which proposals are fitted.
+        Coordinates in which proposals are fitted.
     rng : RandomState or Generator
         Source of randomness.
     least_effective : float
-        Share of the points that have to count.
+        Least effective sample size, relative to `size`.
     size : int
-        Of each sample: many numbers take many points, since a covariance is fitted to them.
+        Points of each sample. Their number must suffice for a D × D covariance.
 
     Returns
     -------
     ndarray, shape (size, D), or None
-        Points of the sampling space, some more than once; None where the weights of no sample
-        are to be relied on.
+        Points of the sampling space, some of them repeated; None if the weights of no sample are
+        reliable.
     """
     proposal = Proposal.at_mode(laplace, chart)
     for _ in range(PASSES):
@@ -239,23 +239,23 @@ def more_points(
 ) -> Array:
     """Draw a larger importance sample from a proposal that is fitted to a smaller one.
 
-    A covariance of D numbers has D (D + 1) / 2 entries: by a thousand points it is so uncertain
-    that ensembles refuse a half of what they propose.
+    A covariance in D dimensions has D (D + 1) / 2 entries. From a thousand points it is so
+    inexact that ensembles reject half of the proposals.
 
     Parameters
     ----------
     log_density, chart, rng
         As for :func:`importance_points`.
     points : ndarray, shape (N, D)
-        What :func:`importance_points` returned.
+        The result of :func:`importance_points`.
     size : int
-        Of the sample.
+        Points of the larger sample.
 
     Returns
     -------
     ndarray, shape (size, D)
-        Points of the sampling space, some more than once; `points` where the weights of the
-        larger sample are not to be relied on.
+        Points of the sampling space, some of them repeated; `points` if the weights of the larger
+        sample are unreliable.
     """
     sample = _resampled(log_density, Proposal.around(points, chart), size, rng)
     if sample is None or sample.pareto_k >= SAMPLING_RULES.pareto_k:
@@ -264,7 +264,7 @@ def more_points(
 
 
 class _Resampled(NamedTuple):
-    """An importance sample, resampled by its weights; `effective` points of it count."""
+    """An importance sample, resampled by its weights, and its effective sample size."""
 
     points: Array
     pareto_k: float
@@ -274,7 +274,7 @@ class _Resampled(NamedTuple):
 def _resampled(
     log_density: LogDensity, proposal: Proposal, size: int, rng: Random
 ) -> _Resampled | None:
-    """Draw an importance sample; None where too few points count for a covariance."""
+    """Draw an importance sample; None if its effective size is too small for a covariance."""
     z, possible = proposal.draw(size, rng)
     z = z[possible]
     log_weights, k = smooth_weights(log_density(z) - proposal.log_density(z))
@@ -290,17 +290,22 @@ def _resampled(
 
 
 def resampled(weights: Array, size: int, rng: Random) -> NDArray[np.intp]:
-    """Return the places of points, resampled in proportion to their weights (systematically).
+    """Return indices of points, drawn in proportion to their weights by systematic resampling.
 
     Parameters
     ----------
     weights : ndarray, shape (N,)
-        Of the points, up to a factor.
+        Weights of the points, up to a common factor.
     size : int
-        How many are drawn, in the order of the points.
+        Number of draws.
     rng : RandomState or Generator
         Source of randomness.
+
+    Returns
+    -------
+    ndarray of int, shape (size,)
+        Ascending.
     """
-    heap = np.cumsum(weights)
-    ladder = (np.arange(size) + rng.uniform()) / size * heap[-1]
-    return np.asarray(np.minimum(np.searchsorted(heap, ladder), len(weights) - 1))
+    cumulative = np.cumsum(weights)
+    levels = (np.arange(size) + rng.uniform()) / size * cumulative[-1]
+    return np.asarray(np.minimum(np.searchsorted(cumulative, levels), len(weights) - 1))

@@ -1,8 +1,8 @@
-"""Quadratic forms of many walkers at once, and normal numbers integrated out of them.
+"""Quadratic forms of many walkers at once, and the elimination of normal variables from them.
 
-A symmetric matrix of side s is its upper triangle row by row: an array whose first axis
-has s (s + 1) / 2 rows; further axes are walkers, trials, groups. A density that is normal
-in some numbers and in a residual, ``exp(−mᵀ M m / 2)``, stays one when the leading numbers
+A symmetric s × s matrix is stored as its upper triangle, row by row: an array whose first axis has
+s (s + 1) / 2 entries. Further axes are walkers, trials or groups. Let m be the vector of some
+variables and a residual. A density exp(−mᵀ M m / 2) has the same form after its leading variables
 are integrated out, one after the other (Schur complement).
 """
 
@@ -17,12 +17,12 @@ LOG_2PI = float(np.log(2 * np.pi))
 
 
 def side(triangle: Array) -> int:
-    """Return the side of a matrix that is given by its upper triangle."""
+    """Return the size s of an s × s matrix that is given by its upper triangle."""
     return int((np.sqrt(8 * len(triangle) + 1) - 1) / 2)
 
 
 def matrices(triangle: Array) -> Array:
-    """Return full matrices, their two axes last, shape (…, s, s)."""
+    """Return the full matrices of upper triangles, shape (…, s, s)."""
     size = side(triangle)
     whole = np.empty((*triangle.shape[1:], size, size))
     row, column = np.triu_indices(size)
@@ -31,16 +31,16 @@ def matrices(triangle: Array) -> Array:
 
 
 def gram(columns: Sequence[Array], weight: Array, total: Callable[[Array], Array]) -> Array:
-    """Return the weighted products of all pairs of columns, summed.
+    """Return sums of the weighted products of all pairs of columns.
 
     Parameters
     ----------
     columns : sequence of s ndarrays, broadcastable to the shape of `weight`
-        Columns.
+        The columns.
     weight : ndarray, shape (…)
-        Their common weight.
+        Weights of the entries of all columns.
     total : callable
-        Sum of an array of that shape.
+        Sums an array of that shape, for example over its groups.
 
     Returns
     -------
@@ -52,28 +52,28 @@ def gram(columns: Sequence[Array], weight: Array, total: Callable[[Array], Array
 
 
 def eliminate(triangle: Array, variances: Sequence[ArrayLike]) -> tuple[Array, Array]:
-    """Integrate the leading numbers out, each normal around 0.
+    """Integrate out the leading variables, which have normal priors with mean 0.
 
     Parameters
     ----------
     triangle : ndarray, shape (s (s + 1) / 2, …)
-        Precision of the data for all s numbers.
+        Precision matrix M of the data for s variables.
     variances : sequence of k array_like, broadcastable to (…)
-        Prior variances of the first k numbers; 0 leaves a number out.
+        Prior variances of the first k variables; 0 fixes a variable at 0.
 
     Returns
     -------
     triangle : ndarray, shape ((s − k)(s − k + 1) / 2, …)
-        Of the numbers that are left.
+        Precision matrix of the remaining variables.
     log_determinant : ndarray, shape (…)
-        log det(I + V M), V and M of the first k numbers: minus twice the log of what the
-        integral multiplies the density by.
+        log det(I + V M), with V and M of the first k variables. The integral multiplies the
+        density by the exponential of −1/2 times this.
     """
     size = side(triangle)
     gain, rest, product = np.ones_like(triangle[0]), triangle, np.empty_like(triangle[:size])
     for variance in variances:
         row, before = rest[:size], rest[size:]
-        # The first number leaves what was given alone, the others take their place.
+        # The first step must not change the given triangle; later steps work in place.
         rest = np.empty_like(before) if rest is triangle else before
         size -= 1
         pivot = 1 + variance * row[0]
@@ -89,19 +89,22 @@ def eliminate(triangle: Array, variances: Sequence[ArrayLike]) -> tuple[Array, A
 
 
 def contract(triangle: Array, vectors: tuple[Array, Array]) -> Array:
-    """Replace the last numbers of a form by two numbers that multiply given vectors.
+    """Restrict the last k variables of a quadratic form to the span of two vectors.
+
+    The last k variables become a u + b v, with u and v the given vectors. The new form is that in
+    the first s − k variables, a and b.
 
     Parameters
     ----------
     triangle : ndarray, shape (s (s + 1) / 2, …)
-        M.
+        Matrix of the form in s variables.
     vectors : pair of ndarray, shape (k, …)
-        Entries of either for the last k numbers.
+        u and v.
 
     Returns
     -------
     ndarray, shape ((s − k + 2)(s − k + 3) / 2, …)
-        In the first s − k numbers, and by how much each vector is taken.
+        Matrix of the new form.
     """
     first, second = vectors
     size, count = side(triangle), len(first)
@@ -114,7 +117,7 @@ def contract(triangle: Array, vectors: tuple[Array, Array]) -> Array:
     for place in range(count):
         row = triangle[start : start + count - place]
         first_share, second_share = first[place], second[place]
-        # An entry of the diagonal counts once, all others twice.
+        # Diagonal entries count once, all others twice.
         along, across = _dot(row, first[place:]), _dot(row, second[place:])
         before = along - row[0] * first_share
         squares[0] += first_share * (along + before)

@@ -31,29 +31,29 @@ from bayesfric.inference.samplers import Ensembles, Sampler
 Progress = Callable[[int, int], None]
 Seed = np.random.SeedSequence
 
-POINTS = 2000  # of the importance sample that a proposal is fitted to
-PILOTS = 3
+POINTS = 2000  # points of the importance sample to which a proposal is fitted
+PILOTS = 3  # pilot runs
 PIECE_STEPS = 50  # steps between two checkpoints
 LEAST_WALKERS = 40
 
 
 @dataclass(frozen=True)
 class Draws:
-    """What the ensembles drew, in the sampling space.
+    """Draws of the ensembles, in the sampling space.
 
     Parameters
     ----------
     z : ndarray, shape (ensembles, draws, walkers, D)
-        Points kept after burn-in and thinning.
+        Points after burn-in and thinning.
     log_density : ndarray, shape (ensembles, draws, walkers)
-        Log density of each.
+        Log density of each point.
     acceptance : ndarray, shape (ensembles,)
-        Share of proposals accepted, all walkers and moves.
+        Share of accepted proposals, over all walkers and moves.
     steps, thin : int
-        Steps of an ensemble with the last proposal, after burn-in; each `thin`-th was
-        kept.
+        Steps of an ensemble with the last proposal, after burn-in, and the interval between the
+        steps that are kept.
     extensions : int
-        Times that the ensembles were run on with a new proposal.
+        Number of times that the ensembles were continued with a new proposal.
     """
 
     z: Array
@@ -79,34 +79,34 @@ def sample(
     Parameters
     ----------
     log_density : callable
-        Points of shape (W, D) to log densities (W,); −inf where impossible, never NaN.
+        From points of shape (W, D) to log densities (W,); −inf where the density is 0, never NaN.
     laplace : Laplace
         Normal approximation of the density.
     settings : Sampler
-        Ensembles, walkers and steps.
+        Numbers of ensembles, walkers and steps.
     seed : int
-        Seeds each pilot and each ensemble on its own.
+        Seed, from which each pilot run and each ensemble gets its own.
     progress : callable or None
-        Called with the steps done and the steps in all.
+        Called with the number of completed steps and the total number of steps.
     checkpoint : Checkpoint or None
-        Keeps the draws on the way: a run that is killed goes on to the same result.
+        Stores draws during the run, so that an interrupted run continues to the same result.
     converged : callable or None
-        Whether draws, as :attr:`Draws.z`, are good enough; else the ensembles are run
-        on for new ones. None takes them as they are.
+        Whether draws, as in :attr:`Draws.z`, have converged. If not, the ensembles continue with
+        new draws. None accepts the first draws.
     chart : Chart
-        In which the proposals of the ensembles are fitted.
+        Coordinates in which the proposals of the ensembles are fitted.
 
     Returns
     -------
     Draws
-        Each `thin`-th step after burn-in; as many of runs that are continued.
+        Every `thin`-th step after burn-in. Their number is the same after extensions.
 
     Raises
     ------
     InputError
-        The settings ask for fewer walkers than twice the number of parameters.
+        If the settings ask for fewer walkers than twice the number of parameters.
     SamplingError
-        Too few points around the mode have a finite density.
+        If too few points around the mode have a finite density.
     """
     walkers = _walkers(settings, laplace.mode.size)
     of_points, *of_pilots = np.random.SeedSequence(seed).spawn(1 + PILOTS + settings.ensembles)
@@ -124,7 +124,7 @@ def sample(
 def _by_importance(
     log_density: LogDensity, laplace: Laplace, chart: Chart, keeping: Checkpoint, seed: Seed
 ) -> Proposal | None:
-    """Return a proposal after an importance sample; None where its weights are not relied on."""
+    """Return a proposal fitted to an importance sample; None if its weights are unreliable."""
 
     def compute() -> Arrays:
         rng = np.random.RandomState(np.random.MT19937(seed))
@@ -140,9 +140,10 @@ def _by_importance(
 def _by_pilots(
     runs: "_Runs", laplace: Laplace, burn: int, chart: Chart, seeds: Sequence[Seed]
 ) -> Proposal:
-    """Return a proposal after pilots, each twice as long, whose second half the next is fitted to.
+    """Return a proposal after pilot runs, each twice as long as the previous one.
 
-    They replace the curvature at the mode by the spread of the density itself.
+    Each proposal is fitted to the second half of the previous pilot run. So the spread of the
+    density itself replaces the curvature at its mode.
     """
     runs.expect((2**PILOTS - 1) * burn)
     proposal, length = Proposal(StudentT(laplace.mode, laplace.covariance)), burn
@@ -161,7 +162,7 @@ def _by_ensembles(
     chart: Chart,
     seeds: Sequence[Seed],
 ) -> Draws:
-    """Return the draws of ensembles, which are run on until they have converged or may not."""
+    """Return the draws of ensembles, continued until they converge or reach the last extension."""
     total_steps = settings.burn + settings.steps  # of an ensemble
     steps, thin, extensions = settings.steps, settings.thin, 0
     while True:
@@ -173,7 +174,7 @@ def _by_ensembles(
         if extensions == settings.extensions or converged is None or converged(draws.z):
             return draws
         proposal = Proposal.around(draws.z.reshape(-1, draws.z.shape[-1]), chart)
-        # Each run is as long as all before it, thinned to as many draws.
+        # Each extension is as long as all steps before it, and gives the same number of draws.
         steps, thin = settings.steps * 2**extensions, settings.thin * 2**extensions
         extensions += 1
         total_steps += steps
@@ -181,7 +182,7 @@ def _by_ensembles(
 
 
 def _walkers(settings: Settings, size: int) -> int:
-    """Return how many walkers an ensemble has for so many parameters."""
+    """Return the number of walkers of an ensemble for `size` parameters."""
     walkers = settings.walkers or max(LEAST_WALKERS, 2 * size)
     if walkers < 2 * size:  # each half of an ensemble is moved along differences of the other
         expected = f"at least {2 * size}, twice the number of parameters of this recording"
@@ -191,7 +192,7 @@ def _walkers(settings: Settings, size: int) -> int:
 
 
 def _draws(ensembles: Sequence[Arrays], steps: int, thin: int, extensions: int) -> Draws:
-    """Return each `thin`-th of the last steps of ensembles, as :meth:`_Runs.run` returns them."""
+    """Return every `thin`-th of the last `steps` steps of runs from :meth:`_Runs.run`."""
     length = len(ensembles[0]["chain"])
     kept = slice(length - steps + thin - 1, None, thin)
     return Draws(
@@ -205,7 +206,7 @@ def _draws(ensembles: Sequence[Arrays], steps: int, thin: int, extensions: int) 
 
 
 class _Runs:
-    """Runs of single ensembles, in pieces that a checkpoint keeps."""
+    """Runs of single ensembles, in pieces that a checkpoint stores."""
 
     def __init__(
         self,
@@ -220,7 +221,7 @@ class _Runs:
         self._done, self._total = 0, 0
 
     def expect(self, steps: int) -> None:
-        """Count so many more steps among all that progress is told of."""
+        """Add steps to the total number that is reported as progress."""
         self._total += steps
 
     def _step(self) -> None:
@@ -232,9 +233,9 @@ class _Runs:
             self._progress(done, self._total)
 
     def run(self, name: str, proposal: Proposal, steps: int, seed: Seed) -> Arrays:
-        """Return ``chain`` (steps, W, D), ``log_density`` and ``accepted`` (W,).
+        """Return ``chain`` (steps, W, D), ``log_density`` (steps, W) and ``accepted`` (W,).
 
-        A run of this name goes on from where it was left, with the steps that are missing.
+        If a run with this name exists, only the missing steps are added.
         """
         pieces = self._pieces.setdefault(name, [])
         first = sum(len(piece["chain"]) for piece in pieces)
@@ -247,7 +248,7 @@ class _Runs:
                 return self._sampler.advance(proposal, last, count)
 
             pieces.append(self._checkpoint.piece(f"{name}-{start:06d}", compute))
-            if self._done != before + stop:  # the piece was there already
+            if self._done != before + stop:  # the checkpoint had the piece
                 self._report(before + stop)
         return {
             "chain": np.concatenate([piece["chain"] for piece in pieces]),

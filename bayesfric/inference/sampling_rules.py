@@ -1,4 +1,4 @@
-"""The thresholds by which draws, weights and evidences are relied on, all in one place."""
+"""The thresholds from which draws, weights and evidences are reliable."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 class SamplingRules:
     """Thresholds of :mod:`bayesfric.inference`; :func:`bayesfric.rules.rules_of` lists them.
 
-    Each has its unit, the page of docs/decisions where it is argued, and what it decides.
+    Each has a unit, a page of docs/decisions with its reasons, and a sentence on what it decides.
 
     Fields
     ------

@@ -35,7 +35,7 @@ class Block:
 def explained_by_subsets(
     blocks: Sequence[Block], players: int, response: Array, ridge: float
 ) -> Array:
-    """Return what the functions of every subset of regressors explain.
+    """Return the sum of squares that each subset of regressors explains.
 
     It is the reduction of the penalised sum of squares of a ridge regression, b'(G + λ)⁻¹b. It
     grows with every function and never exceeds the sum of squares of the response. Each regressor
@@ -44,13 +44,14 @@ def explained_by_subsets(
     Parameters
     ----------
     blocks : sequence of Block
-        Of all regressors and pairs, in any order.
+        Blocks of all regressors and pairs, in any order.
     players : int
         Number of regressors, P. Time and memory grow as 2^P.
     response : ndarray, shape (R, S)
         Responses, times the square root of each row's weight.
     ridge : float
-        λ > 0, in the units of the columns' squares; shrinks what few rows determine.
+        λ > 0, in the units of the columns' squares. It shrinks coefficients that few rows
+        determine.
 
     Returns
     -------
@@ -77,7 +78,7 @@ def explained_by_subsets(
 
 
 def _entering(partner: Whole, player: int) -> Flags:
-    """Return which functions enter with a regressor, by subset of those before it, (2^p, k)."""
+    """Return which functions enter with a regressor, for each subset of earlier ones, (2^p, k)."""
     subset = np.arange(2**player)[:, None]
     return np.asarray((partner == player) | ((subset >> partner) & 1 == 1))
 
@@ -85,7 +86,7 @@ def _entering(partner: Whole, player: int) -> Flags:
 def _eliminated(
     gram: Array, slope: Array, entering: Flags, ridge: float
 ) -> tuple[Array, Array, Array]:
-    """Return what the first functions leave of the rest, and what they explain."""
+    """Eliminate the first functions; return the remaining equations and the explained squares."""
     width = entering.shape[1]
     kept = entering.astype(np.float64)
     inner = gram[:, :width, :width] * kept[:, :, None] * kept[:, None, :]
@@ -108,7 +109,7 @@ def shapley_values(worth: Array) -> Array:
     Parameters
     ----------
     worth : ndarray, shape (2^P, S)
-        What every subset explains, from :func:`explained_by_subsets`.
+        Sum of squares that each subset explains, from :func:`explained_by_subsets`.
     """
     players = len(worth).bit_length() - 1
     subset = np.arange(len(worth))

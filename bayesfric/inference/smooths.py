@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
 
-NODES = 25
+NODES = 25  # points at which a kernel along a continuous covariate is decomposed
 BROAD, NARROW, SHARP = 1 / 3, 1 / 6, 1 / 12  # length scales, relative to the range
 KEPT, WHOLE = 0.99, 0.999  # part of the variance; the second where data inform most
 MOST_SEPARATE_VALUES = 9  # a covariate with at most so many values is discrete
@@ -166,7 +166,7 @@ def smooth_along(
 
 
 def _functions(span: Span, length: float, at: Array) -> Array:
-    """Return all functions of one covariate at some positions, shape (…, K)."""
+    """Return all eigenfunctions along one covariate at some values, shape (…, K)."""
     place = span.place(at)
     if not span.values:
         return np.asarray(_splines(length)(place))

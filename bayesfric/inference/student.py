@@ -1,9 +1,9 @@
 """Student-t scatter of single measurements: the robust alternative to :mod:`.grouped_normal`.
 
-Around what the numbers of its group make of it, a measurement is Student-t. Its scale may
-hold the variance of a normal error too: exact where that is small beside the scatter, as
-it is for Hall events. The numbers of a group, each N(0, 1), are integrated by the
-trapezoid rule on a grid around their posterior.
+Each group has one or two deviations with priors N(0, 1), which shift the means of its measurements.
+Given the deviations, a measurement has a Student-t density. Its scale may include the variance of a
+normal error; this is exact in the limit of a small error, as that of Hall events is. The deviations
+are integrated out by the trapezoid rule on a grid around their posterior.
 """
 
 from dataclasses import dataclass
@@ -18,53 +18,58 @@ from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import LOG_2PI, Grouped
 from bayesfric.inference.quadratic import gram, matrices
 
-REWEIGHTINGS = 12
+REWEIGHTINGS = 12  # iterations of the search for the mode
 
 
 class _Nodes(NamedTuple):
-    """A grid along each number of a group."""
+    """A grid along each deviation of a group; its half-width is in standard deviations."""
 
     number: int
-    half_width: float  # in standard deviations
+    half_width: float
 
 
-# Steps of 0.4, 0.93, 0.1 and 0.7 standard deviations: the rule converges exponentially.
+# Steps are 0.4, 0.93, 0.1 and 0.7 standard deviations: the rule converges exponentially.
 GROUP_NODES = {1: _Nodes(41, 8.0), 2: _Nodes(15, 6.5)}
 SINGLE_NODES = {1: _Nodes(161, 8.0), 2: _Nodes(21, 7.0)}
 
 
 def log_density_given(together: Array, single: Array) -> Array:
-    """Return the log density of each measurement given its group's others, (W, M).
+    """Return the log density of each measurement given the others of its group, (W, M).
 
     Parameters
     ----------
-    together, single : ndarray, shape (Q, W, M)
-        Log density of its group and of the measurement at Q nodes, the first weighed.
+    together : ndarray, shape (Q, W, M)
+        Log density of its whole group at Q nodes, plus the log weight of the node.
+    single : ndarray, shape (Q, W, M)
+        Log density of the measurement alone at the nodes.
     """
     return np.asarray(logsumexp(together, axis=0) - logsumexp(together - single, axis=0))
 
 
 def weight_given(together: Array, single: Array) -> Array:
-    """Return the probability of each node given a group's others, shape (Q, W, M)."""
+    """Return the probability of each node given the other measurements, shape (Q, W, M).
+
+    Parameters are those of :func:`log_density_given`.
+    """
     rest = together - single
     weight = np.exp(rest - rest.max(axis=0))
     return np.asarray(weight / weight.sum(axis=0))
 
 
 def drawn_node(weight: Array, rng: np.random.Generator) -> NDArray[np.intp]:
-    """Draw a node for each measurement by their probabilities, shape (1, W, M)."""
+    """Draw a node for each measurement by the nodes' probabilities, shape (1, W, M)."""
     below = (weight.cumsum(axis=0) < rng.uniform(size=weight.shape[1:])).sum(axis=0)
     return np.asarray(np.minimum(below, len(weight) - 1)[None])
 
 
 @dataclass(frozen=True)
 class GroupedStudent(Grouped):
-    """Measurements that are Student-t, in groups of one or two numbers.
+    """Measurements with Student-t densities, in groups with one or two deviations.
 
     Parameters
     ----------
     freedom : float
-        Degrees of freedom.
+        Degrees of freedom of the measurements' densities.
     """
 
     freedom: float
@@ -75,13 +80,12 @@ class GroupedStudent(Grouped):
         return np.asarray(logsumexp(log_weight + self.groups.total(single), axis=0))
 
     def single_log_density(self) -> Array:
-        """Return the log density of each measurement given its group's others, (W, M).
+        """Return the log density of each measurement given the others of its group, (W, M).
 
-        A measurement that is alone in its group has the density of the group: a grid that is
-        wide enough for the others would step over its peak, which is narrow where the scale is
-        small beside what the numbers of a group move. In a pair whose numbers move its two
-        measurements by different amounts, that error is left:
-        0.1 nat where the scale is a fifth of what they move.
+        A single measurement of a group has the density of the group. The wider grid of the other
+        measurements could miss its peak, which is narrow if the scale is small against the shifts
+        by the deviations. This error remains in a group of two whose measurements are shifted by
+        different amounts: it is 0.1 nat if the scale is a fifth of the shift.
         """
         log_weight, single, _ = self._on_grid(SINGLE_NODES[len(self.moved)], leave_out=True)
         together = (log_weight + self.groups.total(single))[..., self.groups.of_each]
@@ -93,17 +97,21 @@ class GroupedStudent(Grouped):
         return density
 
     def single_cdf(self) -> Array:
-        """Return the probability of less of each measurement given its group's others, (W, M)."""
+        """Return each measurement's distribution function given the others of its group, (W, M)."""
         weight, distance = self._given_the_rest()
         return np.asarray((weight * stdtr(self.freedom, distance)).sum(axis=0))
 
     def draw_again(self, rng: np.random.Generator) -> Array:
-        """Draw a new value of each measurement given all others, less its own value, (W, M).
+        """Draw each measurement anew given all others of its group, minus its measured value.
 
         Parameters
         ----------
         rng : Generator
             Source of randomness.
+
+        Returns
+        -------
+        ndarray, shape (W, M)
         """
         weight, distance = self._given_the_rest()
         node = drawn_node(weight, rng)
@@ -112,16 +120,21 @@ class GroupedStudent(Grouped):
         return np.asarray(np.sqrt(self.variance) * (again - centre))
 
     def _given_the_rest(self) -> tuple[Array, Array]:
-        """Return the probability of each node given the others, and the distance, (Q, W, M)."""
+        """Return probabilities of nodes given the others, and standardised residuals, (Q, W, M)."""
         nodes = SINGLE_NODES[len(self.moved)]
         log_weight, single, distance = self._on_grid(nodes, leave_out=True)
         together = (log_weight + self.groups.total(single))[..., self.groups.of_each]
         return weight_given(together, single), distance
 
     def _on_grid(self, nodes: _Nodes, *, leave_out: bool) -> tuple[Array, Array, Array]:
-        """Return the log weight of each node, (Q, W, G), and of measurements, (Q, W, M), two.
+        """Return log weights, log densities of measurements and their standardised residuals.
 
-        These are the log density, and the distance from the centre in units of the scale.
+        Returns
+        -------
+        log_weight : ndarray, shape (Q, W, G)
+            Log of the weight of each node times its prior density.
+        single, distance : ndarray, shape (Q, W, M)
+            Log density of each measurement, and its residual over its scale, at each node.
         """
         rank, of_each = len(self.moved), self.groups.of_each
         centre, information = self._mode(leave_out=leave_out)
@@ -144,10 +157,11 @@ class GroupedStudent(Grouped):
         return log_weight, single, distance
 
     def _mode(self, *, leave_out: bool) -> tuple[Array, Array]:
-        """Return the most probable numbers of each group, (W, G, R), and their information.
+        """Return the mode of each group's deviations, (W, G, R), and their information matrix.
 
-        By iteratively reweighted least squares. With `leave_out`, the information is that
-        without the most telling measurement, so that a grid is wide enough for any.
+        The mode is found by iteratively reweighted least squares. With `leave_out`, the information
+        is that without the most informative measurement. The grid is then wide enough for the
+        deviations given all but any one measurement.
         """
         groups, moved = self.groups, self.moved
         centre = np.zeros((*self.residual.shape[:-1], groups.starts.size, len(moved)))

@@ -1,4 +1,4 @@
-"""Eigenvalues of a symmetric matrix, whatever LAPACK's quickest way makes of it; inverses."""
+"""Eigenvalues, roots and inverses of symmetric matrices."""
 
 import numpy as np
 from scipy.linalg import eigh
@@ -6,14 +6,14 @@ from scipy.linalg.lapack import dgetrf, dgetri
 
 from bayesfric.arrays import Array
 
-LARGE = 20  # rows of a matrix, from which on a factor costs more than a call
+LARGE = 20  # rows from which one factorisation of a matrix is cheaper than two calls of NumPy
 
 
 def eigen_of(matrix: Array) -> tuple[Array, Array]:
     """Return eigenvalues, ascending, and eigenvectors of a symmetric matrix.
 
-    The divide-and-conquer method of LAPACK, which NumPy has, is the quickest and fails now and
-    then on finite matrices of some hundred rows; the QR method behind it does not.
+    NumPy uses LAPACK's divide-and-conquer method, which is fast but sometimes fails for finite
+    matrices of some hundred rows. The slower QR method is then used.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def eigen_of(matrix: Array) -> tuple[Array, Array]:
     Raises
     ------
     numpy.linalg.LinAlgError
-        It is not finite.
+        If the matrix is not finite.
     """
     if not np.isfinite(matrix).all():
         raise np.linalg.LinAlgError("a matrix whose eigenvalues are asked for is not finite")
@@ -42,43 +42,44 @@ def eigen_of(matrix: Array) -> tuple[Array, Array]:
 def root_of(covariance: Array) -> Array:
     """Return a matrix, (n, n), whose product with its transpose is a covariance.
 
-    Eigenvalues that rounding has left below zero count as zero.
+    Eigenvalues that are negative by rounding errors are replaced by 0.
 
     Parameters
     ----------
     covariance : ndarray, shape (n, n)
-        Symmetric and finite, with no negative eigenvalue but for rounding.
+        Symmetric, finite and positive semidefinite, except for rounding errors.
     """
     values, vectors = eigen_of(covariance)
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
 def inverted(matrices: Array) -> tuple[Array, Array]:
-    """Return inverses of symmetric matrices, and the logarithms of their determinants' sizes.
+    """Return inverses of symmetric matrices, and logarithms of their absolute determinants.
 
-    Both are from one factorisation.
+    For large matrices both come from one factorisation.
 
     Parameters
     ----------
     matrices : ndarray, shape (…, n, n)
-        Finite; they may have eigenvalues below zero.
+        Finite; negative eigenvalues are allowed.
 
     Returns
     -------
     inverse : ndarray, shape (…, n, n)
     log_determinant : ndarray, shape (…)
+        log |det|.
 
     Raises
     ------
     numpy.linalg.LinAlgError
-        One is singular.
+        If a matrix is singular.
     """
     if matrices.shape[-1] < LARGE:
         inverse = np.asarray(np.linalg.inv(matrices), dtype=np.float64)
         return inverse, np.asarray(np.linalg.slogdet(matrices)[1], dtype=np.float64)
     inverses, pivots = np.empty_like(matrices), np.empty(matrices.shape[:-1])
     for place in np.ndindex(matrices.shape[:-2]):
-        factor, order, _ = dgetrf(matrices[place].T)  # in LAPACK's order, without a copy more
+        factor, order, _ = dgetrf(matrices[place].T)  # the transpose is in LAPACK's memory order
         pivots[place] = np.diagonal(factor)
         inverse, singular = dgetri(factor, order, overwrite_lu=True)
         if singular:

@@ -20,33 +20,33 @@ from scipy.special import log_ndtr, logsumexp
 from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import LOG_2PI
 
-NEWTON_STEPS = 20  # at most
-MODE_TOLERANCE = 1e-6  # to the mode, in standard deviations of u: nodes need be no closer
-REACH = 7.0  # of the nodes around the mode, in standard deviations of u
-STEEPEST = 8.0  # |a| up to which steps follow it: there the error is below 1e-6 nat
+NEWTON_STEPS = 20  # most steps of the search for the mode
+MODE_TOLERANCE = 1e-6  # tolerance of the mode [sd of u]
+REACH = 7.0  # distance of the outermost nodes from the mode [sd of u]
+STEEPEST = 8.0  # √(1 + |a|²) up to which the step decreases with it; error below 1e-6 nat there
 
 
 class Thresholds(NamedTuple):
-    """Thresholds of M measurements of a group, in standard deviations of each one's own error.
+    """Thresholds of M measurements of a group, in standard deviations of their own errors.
 
     Parameters
     ----------
     moved : ndarray, shape (R, W, M)
-        a, by how much one standard deviation of each of the group's R ≤ 2 numbers moves a
-        measurement.
+        a, the shift of a measurement by one standard deviation of each of the group's R ≤ 2
+        deviations.
     gap : ndarray, shape (W, M)
-        b, from its mean up to the threshold.
+        b, the distance from the mean of a measurement up to its threshold.
     """
 
     moved: Array
     gap: Array
 
     def of(self, members: NDArray[np.intp]) -> "Thresholds":
-        """Return those of some measurements."""
+        """Return the thresholds of some measurements."""
         return Thresholds(self.moved[..., members], self.gap[..., members])
 
     def beside(self, other: "Thresholds") -> "Thresholds":
-        """Return these and others of the same group together."""
+        """Return these thresholds together with others of the same group."""
         return Thresholds(*(np.concatenate(pair, -1) for pair in zip(self, other, strict=True)))
 
 
@@ -56,11 +56,11 @@ def log_probability_above(mean: Array, covariance: Array, above: Thresholds) -> 
     Parameters
     ----------
     mean : ndarray, shape (W, R)
-        m, of the group's numbers.
+        m, the mean of the group's deviations.
     covariance : ndarray, shape (W, R, R)
-        V, positive definite.
+        V, their covariance; positive definite.
     above : Thresholds
-        Of the group's measurements, at least one.
+        Thresholds of the group's measurements, at least one.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def log_probability_above(mean: Array, covariance: Array, above: Thresholds) -> 
 
 
 def _integrated(slope: Array, gap: Array) -> Array:
-    """Return the log of the integral over two standard normal numbers, shape (W,)."""
+    """Return the log of the integral over two standard normal deviations, shape (W,)."""
     centre = _mode(slope, gap)
     _, axes = np.linalg.eigh(np.einsum("wmr,wms->wrs", slope, slope))
     slope = slope @ axes
@@ -97,13 +97,13 @@ def _integrated(slope: Array, gap: Array) -> Array:
 
 
 def _nodes(slope: Array) -> Array:
-    """Return nodes around 0, as close as the steepest error along an axis asks for."""
+    """Return nodes around 0, whose step decreases with the steepest slope along an axis."""
     steepest = np.sqrt(1 + float((slope**2).max()))
     return np.linspace(-REACH, REACH, 1 + int(np.ceil(2 * REACH * min(steepest, STEEPEST))))
 
 
 def _mode(slope: Array, gap: Array) -> Array:
-    """Return where the integrand is largest, shape (W, 2)."""
+    """Return the mode of the integrand, shape (W, 2), by Newton's method."""
     identity = np.eye(slope.shape[-1])
     mode = np.zeros((len(gap), slope.shape[-1]))
     for _ in range(NEWTON_STEPS):

@@ -1,8 +1,8 @@
-"""Normal numbers that a bound holds up: what data have below it lies above it.
+"""Normal distributions truncated at a lower bound.
 
-Where data have a number far below what it can be, something else is wrong by as much, and the
-number's own standard deviation says nothing of that: it is widened until the bound is within
-:data:`FARTHEST` of the mean.
+If the data put a quantity far below its bound, the model has another error of that size, which the
+standard deviation of the quantity does not include. The standard deviation is therefore increased
+until the bound is at most :data:`FARTHEST` standard deviations above the mean.
 """
 
 import numpy as np
@@ -11,28 +11,28 @@ from scipy.special import log_ndtr, ndtr, ndtri, ndtri_exp
 
 from bayesfric.arrays import Array
 
-LEAST_DRAWS = 3  # draws, of which a standard deviation is told
-FARTHEST = 4.0  # standard deviations of a bound above the mean, at the most
+LEAST_DRAWS = 3  # least draws from which a standard deviation is estimated
+FARTHEST = 4.0  # largest distance of a bound above the mean [sd]
 
 
 def drawn_above(draws: Array, least: Array) -> Array:
-    """Return draws of a normal density that is cut off at a bound.
+    """Return draws of a truncated normal distribution, from those of the normal distribution.
 
-    Clipped at the bound, draws of a number that data tell badly would all be alike, and the
-    number would seem known. Draws above the bound stay as they are; of those below the ranks
-    decide where above the bound they go, so that no further random number is needed.
+    If draws were clipped at the bound, many draws of an uncertain quantity would be equal, and it
+    would seem to be known. Draws above the bound stay as they are. Draws below it are moved above
+    it, to quantiles by their ranks, so no further random numbers are needed.
 
     Parameters
     ----------
     draws : ndarray, shape (S, …)
-        Normal along the first axis.
+        Normal draws along the first axis.
     least : ndarray
-        Bounds, that broadcast to the other axes; −∞ is none.
+        Lower bounds, which broadcast to the other axes; −∞ means no bound.
 
     Returns
     -------
     ndarray, shape (S, …)
-        None below its bound.
+        Draws, none of them below its bound.
     """
     drawn = np.array(draws, dtype=np.float64)
     bound: Array = np.broadcast_to(least, drawn.shape[1:])
@@ -45,20 +45,20 @@ def drawn_above(draws: Array, least: Array) -> Array:
         sd = _widened(mean, sd, float(bound[place]))
         start = (float(bound[place]) - mean) / sd
         share = (np.argsort(np.argsort(column[below])) + 0.5) / below.sum()
-        # Beyond `start`, by the upper tail: a density far below its bound has little above it.
+        # The upper tail keeps its digits if the bound is far above the mean.
         drawn[(below, *place)] = mean - sd * ndtri(share * ndtr(-start))
     return np.maximum(drawn, bound)
 
 
 def drawn_above_zero(mean: float, sd: float, count: int, rng: np.random.Generator) -> Array:
-    """Return draws of a normal density that is cut off at 0, however far below it the mean is.
+    """Return draws of a normal distribution truncated at 0, for a mean of any sign and size.
 
     Parameters
     ----------
     mean, sd : float
-        Without the cut.
+        Mean and standard deviation without truncation.
     count : int
-        S.
+        Number of draws, S.
     rng : Generator
         Source of randomness.
 
@@ -71,20 +71,21 @@ def drawn_above_zero(mean: float, sd: float, count: int, rng: np.random.Generato
 
 
 def normal_above(mean: float, sd: float, least: float) -> tuple[float, float, Array]:
-    """Return what is known of a normal number that is cut off at a bound.
+    """Return moments and quantiles of a truncated normal distribution.
 
     Parameters
     ----------
     mean, sd : float
-        Without the bound.
+        Mean and standard deviation without truncation.
     least : float
-        The bound; −∞ is none.
+        Lower bound; −∞ means no bound.
 
     Returns
     -------
     mean, sd : float
+        Mean and standard deviation with truncation.
     quantiles : ndarray, shape (3,)
-        At 5, 50 and 95 %.
+        Quantiles at 5, 50 and 95 %.
     """
     sd = _widened(mean, sd, least)
     start = (least - mean) / sd
@@ -94,19 +95,20 @@ def normal_above(mean: float, sd: float, least: float) -> tuple[float, float, Ar
 
 
 def normal_cut_to(mean: float, sd: float, least: float) -> tuple[float, float]:
-    """Return the mean and standard deviation of a normal that has others once it is cut off.
+    """Return the normal distribution whose truncation has a given mean and standard deviation.
 
     Parameters
     ----------
     mean, sd : float
-        Of what lies above the bound.
+        Mean and standard deviation with truncation.
     least : float
-        The bound; −∞ is none.
+        Lower bound; −∞ means no bound.
 
     Returns
     -------
     mean, sd : float
-        Without the bound, which is no farther above the mean than :data:`FARTHEST`.
+        Mean and standard deviation without truncation. The bound is at most :data:`FARTHEST`
+        standard deviations above the mean.
     """
     if not sd > 0 or mean - least > FARTHEST * sd:
         return mean, sd
@@ -133,5 +135,5 @@ def _moments_above(start: float) -> tuple[float, float]:
 
 
 def _widened(mean: float, sd: float, least: float) -> float:
-    """Return a standard deviation by which a bound is no farther above than :data:`FARTHEST`."""
+    """Return a standard deviation for which the bound is within :data:`FARTHEST` of the mean."""
     return max(sd, (least - mean) / FARTHEST)

@@ -14,18 +14,18 @@ def taken_along(
     Parameters
     ----------
     travel, speed : array_like
-        Of the drive since its last reversal [m], [m/s]; radians where it turns.
+        Travel since the drive's last reversal, and its speed [m], [m/s]; rad for a joint.
     length : array_like
-        Travel at the end of which the load moves [m].
+        Travel after which the load moves [m].
     sharp : float
-        One over the share of `length` over which it is taken along.
+        Inverse of the part of `length` over which the load starts to move.
 
     Returns
     -------
     behind : ndarray
-        From 1 after the reversal to 0.
+        Part of the load that is left behind: from 1 after the reversal to 0.
     acceleration : ndarray
-        [m/s²]: its integral over time is the drive's speed, which the load lacks.
+        Acceleration of the load [m/s²]; its integral over time is the drive's speed.
     """
     whole = np.asarray(length)
     end = np.tanh(sharp * (np.asarray(travel) / whole - 1))
@@ -42,23 +42,23 @@ def behind(
     length: Array,
     damping: ArrayLike,
 ) -> tuple[Array, Array]:
-    """Return how loads follow a drive, as :func:`through_play` does.
+    """Return the motion of loads behind a drive, as :func:`through_play` does.
 
     Parameters
     ----------
     held : str
-        In ``play``, or on a ``spring``.
+        ``play`` or ``spring``.
     path, interval_s
-        Of the drive, as there.
+        As of :func:`through_play`.
     slows : float
         Friction of drive and load together over their mass [m/s²].
     heavy : ndarray, shape (K,)
         Each load's share of the mass over its share of the friction.
     length : ndarray, shape (K,)
-        The play, or the travel over which as much friction as there is for its mass, or without
-        friction the drive's, winds the spring up from one side to the other [m].
+        The play; or the travel over which the load's friction winds the spring up from one side
+        to the other. For a load without friction, that of drive and load together counts [m].
     damping : float or ndarray, shape (K,)
-        Of the spring, over what is critical.
+        Damping ratio of the spring.
     """
     slowing = slows / heavy
     if held == "play":
@@ -70,16 +70,17 @@ def behind(
 def through_play(
     path: Array, interval_s: ArrayLike, slows: Array, gap: Array
 ) -> tuple[Array, Array]:
-    """Return how loads move that a drive pushes from either side, with play between.
+    """Return the motion of loads that a drive pushes from either side, with play in between.
 
-    A load that is not pushed coasts, slowed by its friction; one that is hit does not bounce.
+    A load that is not pushed coasts and is slowed by its friction. It does not bounce when it is
+    hit.
 
     Parameters
     ----------
     path : ndarray, shape (N, …)
-        Of the drive, or of several [m].
+        Path of one drive or of several [m].
     interval_s : array_like, shape (…)
-        Between the samples of each.
+        Time between samples of each path [s].
     slows : ndarray, shape (K,)
         Friction of each load over its mass [m/s²].
     gap : ndarray, shape (K,)
@@ -88,9 +89,10 @@ def through_play(
     Returns
     -------
     ahead : ndarray, shape (N, …, K)
-        Each load's place less the drive's [m].
+        Position of each load minus that of the drive [m].
     rubs : ndarray, shape (N, …, K)
-        Friction that acts on it, as a share of what it is in motion, against the path's sense.
+        Friction of each load, relative to its friction in motion: positive if it acts against
+        increasing positions.
     """
     ahead, rubs = (np.zeros((*path.shape, gap.size)) for _ in range(2))
     step, moves = np.asarray(interval_s)[..., None], _moves(path)
@@ -112,16 +114,16 @@ def through_play(
 def on_spring(
     path: Array, interval_s: ArrayLike, slows: Array, pull: Array, damping: ArrayLike
 ) -> tuple[Array, Array]:
-    """Return how loads move that hang on a drive by a spring, as :func:`through_play` does.
+    """Return the motion of loads on a spring behind a drive, as :func:`through_play` does.
 
     Parameters
     ----------
     path, interval_s, slows
-        As there.
+        As of :func:`through_play`.
     pull : ndarray, shape (K,)
         Stiffness over mass [1/s²].
     damping : float or ndarray, shape (K,)
-        Over what is critical.
+        Damping ratio.
     """
     step, moves = np.asarray(interval_s)[..., None], _moves(path)
     damped = np.asarray(damping) * np.sqrt(pull) * step
@@ -129,7 +131,7 @@ def on_spring(
     whole = 1 + damped + halved
     loss = np.maximum(slows * step / whole, np.finfo(float).tiny)
     kept = (1 - damped - halved) / whole
-    # Means over a step of what pulls and damps: no energy is lost by the steps themselves.
+    # Forces of spring and damper are means over a step, so that steps lose no energy.
     by_place, by_speed = step * pull / whole, 2 * damped / step / whole
     driven = (0.5 * by_place + by_speed) * moves
     ahead, rubs = np.zeros(driven.shape), np.zeros(driven.shape)

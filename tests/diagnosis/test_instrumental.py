@@ -8,9 +8,9 @@ import bayesfric as bf
 from bayesfric.diagnosis.instrumental import (
     by_the_instrument,
     causes_by_the_instrument,
-    why_bent,
+    why_biased,
     why_unconfirmed,
-    why_unsettled,
+    why_uncorrected,
 )
 from bayesfric.diagnosis.law import RunScatter
 from bayesfric.diagnosis.verdict import decide
@@ -63,7 +63,7 @@ def test_the_numbers_that_are_told_are_the_instruments():
 @pytest.mark.parametrize("silent", [instrument(alarms=False), "12 windows are too few to tell"])
 def test_without_an_alarm_nothing_changes(silent):
     assert by_the_instrument(law(), silent) == law()
-    assert why_bent(silent) is None
+    assert why_biased(silent) is None
 
 
 def test_a_weak_instrument_says_how_far_least_squares_may_be_bent():
@@ -116,7 +116,7 @@ def test_a_weak_instrument_that_is_sure_leaves_a_cause_open(p_value, strength, u
     """That least squares are bent shows by any instrument; only a strong one sets them right."""
     changed = {"alarms": False, "p_value": p_value, "strength": strength}
     beside = of_backlash(0.09, 0.04, 0.08).model_copy(update=changed)
-    assert (why_unsettled(beside) is not None) == unsettled
+    assert (why_uncorrected(beside) is not None) == unsettled
     assert (why_unconfirmed(beside, {"backlash": "backlash"}) is not None) == unsettled
     agreeing = of_backlash(0.5, 0.4, 0.05).model_copy(update=changed)
     assert why_unconfirmed(agreeing, {"backlash": "backlash"}) is None
@@ -133,7 +133,7 @@ def test_a_cause_that_an_instrument_has_no_column_of_is_not_held():
 
 
 def test_numbers_that_are_bent_are_no_proof_of_no_gap():
-    why = why_bent(instrument(alarms=True))
+    why = why_biased(instrument(alarms=True))
     assert "p = 2e-08" in why
     assert decide({NONE: 1.0}, [], 0.01, [], shown=why is None)[0] == "undecided"
 

@@ -12,7 +12,7 @@ from scipy.stats import multivariate_normal
 import bayesfric as bf
 from bayesfric.diagnosis import strays
 from bayesfric.diagnosis.residuals import residuals_of, spread_numbers
-from bayesfric.diagnosis.strays import few_strays
+from bayesfric.diagnosis.strays import stray_weights
 
 
 def table(seed, viscous, stray=None):
@@ -64,7 +64,7 @@ def test_a_stray_has_the_weight_of_a_student_t_density():
     """Of robust standard deviation 1: at 10, (4 + 1) / (4 + 100)."""
     off = np.append(np.linspace(-1.5, 1.5, 99) * 0.8994, 10.0)
     spread = 1.4826 * np.median(np.abs(off))
-    weight = few_strays(off)
+    weight = stray_weights(off)
     np.testing.assert_array_equal(weight[:99], 1.0)
     assert weight[99] == pytest.approx(5 / (4 + (10 / spread) ** 2))
 
@@ -79,19 +79,19 @@ def test_a_stray_has_the_weight_of_a_student_t_density():
     ],
 )
 def test_what_is_no_stray_counts_as_all_others(off):
-    np.testing.assert_array_equal(few_strays(off), np.ones(off.size))
+    np.testing.assert_array_equal(stray_weights(off), np.ones(off.size))
 
 
 def test_one_in_six_far_away_are_a_force_and_no_strays():
-    assert few_strays(np.append(np.linspace(-1, 1, 40), np.full(8, 20.0))) is None
+    assert stray_weights(np.append(np.linspace(-1, 1, 40), np.full(8, 20.0))) is None
 
 
 def test_the_farthest_reading_alone_is_taken_at_a_time():
     """It may have pulled its neighbours away."""
     off = np.append(np.linspace(-1, 1, 60), [9.0, -30.0, 8.0])
-    weight = few_strays(off, np.ones(63))
+    weight = stray_weights(off, np.ones(63))
     assert list(np.flatnonzero(weight < 1)) == [61]
-    assert list(np.flatnonzero(few_strays(off, weight) < 1)) == [60, 61]
+    assert list(np.flatnonzero(stray_weights(off, weight) < 1)) == [60, 61]
 
 
 def test_readings_with_weights_have_the_density_of_a_normal_with_their_variance(tmp_path):

@@ -42,7 +42,7 @@ def made(seed, slope=0.0):
     return simulate_recording(DESIGN, seed=seed, truth=truth, rigs=("gravity",))
 
 
-def known_of(recording, effects=()):
+def modes_and_sds(recording, effects=()):
     """Return mode and sd of each parameter by the exact likelihood, in their units."""
     data = Data(open_rigs(recording, ["gravity"]))
     model = model_of(data, ANALYSIS, LawWithEffects(effects=effects), all_effects(None))
@@ -61,7 +61,7 @@ def plan():
 
 
 def test_coefficients_are_known_as_well_as_the_exact_likelihood_knows_them(plan):
-    found = known_of(made(2))
+    found = modes_and_sds(made(2))
     for name, row in plan.coefficients.iterrows():
         assert row["sd"] == pytest.approx(found[name][1], rel=0.15), name
     assert plan.coefficients["informed"].all()
@@ -77,7 +77,7 @@ def test_what_was_measured_does_not_enter(plan):
 def test_the_error_of_an_amplitude_is_that_of_the_exact_likelihood(plan):
     smallest = plan.effects.loc["viscous/constant", "smallest"]
     prior = all_effects(None)["viscous"].amplitude.prior
-    mode, sd = known_of(made(3, slope=smallest), (VISCOUS,))["viscous.slope"]
+    mode, sd = modes_and_sds(made(3, slope=smallest), (VISCOUS,))["viscous.slope"]
     assert abs(mode - smallest) < 4 * sd
     # At the threshold's estimate, 1.28 errors below: the odds that support asks for.
     odds = ANALYSIS.claims.support_log10_bayes_factor * np.log(10)
@@ -92,7 +92,7 @@ def test_an_effect_of_that_size_is_found_nine_times_in_ten(plan):
     odds = ANALYSIS.claims.support_log10_bayes_factor * np.log(10)
     hits = 0
     for seed in range(500, 560):
-        mode, sd = known_of(made(seed, slope=smallest), (VISCOUS,))["viscous.slope"]
+        mode, sd = modes_and_sds(made(seed, slope=smallest), (VISCOUS,))["viscous.slope"]
         hits += log_bayes_factor(mode + mode * sd**2 / prior.scale**2, sd, prior) > odds
     assert 47 <= hits <= 59
 

@@ -16,7 +16,7 @@ def test_the_density_is_that_of_rows_whose_covariance_has_the_amounts(count):
     amounts = Amounts.of(data.T @ data)
     numbers = rng.standard_normal((6, 5))
     left = np.hstack([np.ones((6, 1)), -numbers])
-    rest = left @ amounts.taken_off(data).T
+    rest = left @ amounts.without_modes(data).T
     found = -0.5 * (rest**2).sum(axis=1) + amounts.log_density(left, np.ones(6))
     whole = multivariate_normal(cov=np.eye(20) + beside @ beside.T)
     exact = whole.logpdf(force[:, 0] - numbers @ law.T) + 10 * np.log(2 * np.pi)

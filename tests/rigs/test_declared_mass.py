@@ -20,4 +20,4 @@ def test_a_declared_mass_is_taken_off_where_it_was_a_prior_alone(by_instrument, 
     number = LawNumber(unit="kg", before=estimate, after=estimate, least_squares=fitted)
     constants = RigConstants(moving_mass_kg=1.0, mass_sd_kg=0.11)
     (line,) = doubts(constants, {"inertia": number}, 1.8)
-    assert f"they say {said} kg" in line
+    assert f"the data give {said} kg" in line

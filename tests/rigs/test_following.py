@@ -3,7 +3,7 @@
 import numpy as np
 
 from bayesfric.rigs.single_axis import following, weak_form
-from bayesfric.rigs.single_axis.following import LENGTHS, DrivePath, Followed
+from bayesfric.rigs.single_axis.following import LENGTHS, DrivePath, LoadMotions
 
 INTERVALS = 1e-3, 2e-3, 1e-3
 SAMPLES = 900, 400, 600
@@ -26,7 +26,7 @@ def test_runs_that_are_followed_together_are_each_as_alone(monkeypatch):
 
     def rows(together):
         whole = np.arange(sum(one.centres.size for one in together))
-        load = Followed(together).load(whole, 2.0, {"play": 0.1 * LENGTHS["play"]}, 0.05)
+        load = LoadMotions(together).load(whole, 2.0, {"play": 0.1 * LENGTHS["play"]}, 0.05)
         return load("play", 1.0, 0.004)
 
     found = rows(paths)
@@ -50,7 +50,7 @@ def test_a_long_path_is_followed_in_parts_as_it_is_in_one(monkeypatch):
 
     def rows(held):
         lengths = {"play": 0.1 * LENGTHS["play"], "spring": 0.1 * LENGTHS["spring"]}
-        load = Followed([path]).load(np.arange(centres.size), 2.0, lengths, 0.06)
+        load = LoadMotions([path]).load(np.arange(centres.size), 2.0, lengths, 0.06)
         return np.concatenate([part[:, 0] for part in load(held, 1.0, 0.001)])
 
     parted = {held: rows(held) for held in ("play", "spring")}
@@ -62,10 +62,10 @@ def test_a_long_path_is_followed_in_parts_as_it_is_in_one(monkeypatch):
 
 def test_of_many_paths_some_are_followed_evenly_in_rows_of_their_own():
     paths = list(runs()) * 4  # 7,600 samples
-    whole = Followed(paths)
+    whole = LoadMotions(paths)
     assert whole.thinned(7_600)[0] is whole
-    followed, rows = whole.thinned(3_000)
+    motions, rows = whole.thinned(3_000)
     tried = np.ones(2), np.array([2e-3, 4e-3])
-    thinned = followed.side_by_side("play", 2.0, *tried, 0.05)
+    thinned = motions.side_by_side("play", 2.0, *tried, 0.05)
     assert np.array_equal(thinned, whole.side_by_side("play", 2.0, *tried, 0.05)[:, rows])
     assert rows.size == sum(path.centres.size for path in paths[::3])

@@ -68,7 +68,7 @@ def test_weak_instruments_and_few_windows_raise_no_alarm():
     weak = np.column_stack([noise, instruments[:, 2:]])
     assert not compared(force, columns, weak, piece).alarms
     few = compared(force[:60], columns[:60], instruments[:60], piece[:60])
-    assert few == "60 windows in 4 stretches are too few to tell"
+    assert few == "60 windows in 4 stretches are too few"
 
 
 def test_instruments_that_tell_a_sum_alone_are_weak():

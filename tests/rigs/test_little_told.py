@@ -35,7 +35,7 @@ def stops_and_goes():
 
 def test_inertia_is_not_told_where_the_acceleration_is_a_curve_over_the_place():
     trials = stops_and_goes()
-    assert trials.readings.acceleration_of_its_own < 0.5
+    assert trials.readings.independent_acceleration_share < 0.5
     assert "mass" in trials.untold
     assert "the acceleration is nearly a function of the position" in " ".join(trials.doubts({}))
 
@@ -43,7 +43,7 @@ def test_inertia_is_not_told_where_the_acceleration_is_a_curve_over_the_place():
 def test_inertia_is_told_where_it_swings_through():
     recording = Joint(seconds=6.0, sampled_hz=100.0).recording()
     trials = opened(all_rigs()["single-axis"], recording.axis, recording.rig)
-    assert trials.readings.acceleration_of_its_own > 0.99
+    assert trials.readings.independent_acceleration_share > 0.99
     assert not trials.untold
     assert not trials.doubts({})
 
@@ -82,4 +82,4 @@ def test_few_rows_are_no_curve_over_the_place():
         },
     )
     assert not few.swings_alike
-    assert few.acceleration_of_its_own == 1.0
+    assert few.independent_acceleration_share == 1.0

@@ -7,7 +7,8 @@ from rigs.looped_joint import LoopedJoint
 
 from bayesfric.recording.held import released, stale
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.single_axis.even_log import clipped, even_grid, spikes
+from bayesfric.rigs.single_axis.even_log import even_grid
+from bayesfric.rigs.single_axis.force_faults import clipped, spikes
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
 
 AXIS = all_rigs()["single-axis"]

@@ -42,7 +42,7 @@ def test_without_anything_in_newtons_all_is_over_the_stiffness():
     assert rough.mass == pytest.approx(SERVO.inertia / SERVO.stiffness, rel=0.1)
     assert runs.servo.constants.latency_s == pytest.approx(SERVO.late_s, abs=5e-3)
     said = " ".join(runs.doubts({}))
-    assert "1 N·m per K is 1 rad by which the joint is off its command" in said
+    assert "1 N·m per K is 1 rad of distance between the joint and its command" in said
     assert "damping and back-EMF of its servo together" in said
     assert runs.scale_share == 0.0
 

@@ -17,7 +17,7 @@ from bayesfric.rigs.single_axis.force_curvature import _beside
 from bayesfric.rigs.single_axis.passes import passes_of
 from bayesfric.rigs.single_axis.readings import PIECE, readings_of
 from bayesfric.rigs.single_axis.rough import rough_law
-from bayesfric.rigs.single_axis.run_rows import _loudness
+from bayesfric.rigs.single_axis.run_rows import _relative_variance
 from bayesfric.rigs.single_axis.weak_form import node_weights
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
 
@@ -175,9 +175,9 @@ def test_pieces_are_neighbours_of_one_pass():
 def test_a_force_that_jumps_between_samples_is_trusted_less_there():
     force = np.sin(2 * np.pi * np.arange(400) / 100)
     # A smooth course hides nothing: its sine squared is twice its median at the most.
-    assert _loudness(force).max() == pytest.approx(3, rel=0.02)
+    assert _relative_variance(force).max() == pytest.approx(3, rel=0.02)
     force[200:] += 1.0
-    loud = _loudness(force)
+    loud = _relative_variance(force)
     assert loud[199] > 100 * np.median(loud)
     assert loud[:150].max() == pytest.approx(3, rel=0.06)  # six loud samples move the median
 

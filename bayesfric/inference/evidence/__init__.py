@@ -1,1 +1,1 @@
-"""Evidence of a density and what leaving data out predicts; knows nothing of friction."""
+"""Evidence of a density and leave-one-group-out densities; independent of friction."""

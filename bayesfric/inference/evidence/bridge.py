@@ -1,16 +1,15 @@
 """The log evidence from draws, by bridge sampling.
 
-The bridge stands between the density p, of which there are n₁ draws, and a normalised
-proposal g, of which n₂ are drawn. With l = log p − log g, still unnormalised, the
-optimal bridge of Meng and Wong is the fixed point λ = log Z of their iteration, which
-is also the only root of
+Let p be the unnormalised density, of which there are n₁ draws, and g a normalised proposal, of
+which n₂ points are drawn. With l = log p − log g, the estimate of the optimal bridge of Meng and
+Wong is the fixed point λ = log Z of their iteration. It is the only root of
 
     n₂ ⟨σ(l − λ + c)⟩_g − n₁ ⟨σ(λ − l − c)⟩_p ,    c = log(n₁/n₂),
 
-with σ the logistic function. The left side falls in λ, so the root is bracketed
-instead of iterated: nothing can fail to converge. Each half of the draws fits the
-proposal for the other half, since draws that have fitted their own proposal bias the
-bridge, and the two estimates are averaged.
+where σ is the logistic function. This expression decreases with λ, so its root is found by
+bracketing, which always converges. A proposal that is fitted to the same draws would bias the
+estimate. So the proposal for each half of the draws is fitted to the other half, and the two
+estimates are averaged.
 
 References
 ----------
@@ -33,8 +32,8 @@ from bayesfric.inference.evidence.record import Evidence, SeparatedModes
 from bayesfric.inference.proposals import LogDensity, StudentT
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
-DRAWS_A_HALF = 2000  # at which the density is evaluated, and as many proposals
-STEPS_A_HALF = (20, 10)  # the first that there are; multiples of the batches of an error
+DRAWS_A_HALF = 2000  # draws of each half at which the density is evaluated; as many proposals
+STEPS_A_HALF = (20, 10)  # steps of each half: 20 if there are so many (multiples of the batches)
 
 
 def bridge_evidence(
@@ -42,30 +41,30 @@ def bridge_evidence(
 ) -> Evidence:
     """Estimate the log evidence from converged draws.
 
-    A mode that no walker has found cannot be noticed.
+    A mode that no walker has visited is missing in the estimate.
 
     Parameters
     ----------
     log_density : callable
-        Unnormalised; points of shape (W, D) to log densities of shape (W,).
+        Unnormalised log density, from points of shape (W, D) to shape (W,).
     draws : ndarray, shape (ensembles, kept, walkers, D)
-        Of that density, in the order in which they were drawn; at least 20 kept.
-        All of them fit the proposals; some 4000 are evaluated.
+        Draws of that density in their order, with at least 20 kept steps. The proposals are
+        fitted to all of them; the density is evaluated at about 4000.
     seed : int or Generator
-        Of the proposals.
+        Seed of the proposals.
 
     Returns
     -------
     Evidence
-        Its error takes in that draws depend on one another.
+        Its error allows for the autocorrelation of the draws.
 
     Raises
     ------
     SeparatedModes
-        Ensembles or walkers sample different modes, or no Student-t overlaps with the
-        draws.
+        If ensembles or walkers sample different modes, or if the draws and a Student-t
+        distribution fitted to them do not overlap.
     ValueError
-        Draws of another shape, not finite, or where the density is zero or no number.
+        If draws have another shape or are not finite, or if the density at a draw is zero or NaN.
     """
     if draws.ndim != 4 or draws.shape[1] < 2 * STEPS_A_HALF[-1] or not np.isfinite(draws).all():
         raise ValueError(
@@ -88,14 +87,14 @@ def bridge_ratio(at_first: Array, at_second: Array) -> tuple[float, float]:
     Parameters
     ----------
     at_first, at_second : ndarray, shape (N₁,) and (N₂,)
-        Log of the first density over the second, unnormalised, at draws of the first and
-        of the second; −inf where the first is zero.
+        Log of the ratio of the first to the second unnormalised density, at draws of the first
+        and of the second; −inf where the first density is zero.
 
     Returns
     -------
     log_ratio, error : float
-        Log of the first integral over the second, and its standard error [nat]; the error
-        is large where the two hardly overlap.
+        Log of the ratio of the first to the second integral, and its standard error [nat]. The
+        error is large if the two densities hardly overlap.
 
     References
     ----------
@@ -111,7 +110,10 @@ def bridge_ratio(at_first: Array, at_second: Array) -> tuple[float, float]:
 def _bridge(
     log_density: LogDensity, fitted: Array, used: Array, rng: np.random.Generator
 ) -> tuple[float, float]:
-    """Return the log evidence and its error, of the `used` draws."""
+    """Return the log evidence and its error from the draws `used`.
+
+    The proposal is fitted to the draws `fitted`.
+    """
     size = used.shape[-1]
     proposal = StudentT.around(fitted.reshape(-1, size))
     used = _thinned(used)
@@ -123,7 +125,7 @@ def _bridge(
     proposed = proposal.draw(DRAWS_A_HALF, rng)
     at_proposed = _evaluated(log_density, proposed) - proposal.log_density(proposed)
 
-    # The effective number of dependent draws follows from the bridge, so it is solved twice.
+    # The effective number of draws depends on the bridge functions, so the bridge is solved twice.
     counted = float(at_draws.size)
     for _ in range(2):
         log_evidence, of_draws, of_proposed = _stand(at_draws, at_proposed, counted)
@@ -142,7 +144,7 @@ def _bridge(
 
 
 def _evaluated(log_density: LogDensity, points: Array) -> Array:
-    """Return log densities, finite or −inf where the density is zero, shape (N,)."""
+    """Return log densities, shape (N,); raise an error if one is NaN or +inf."""
     values = log_density(points)
     if not (values < np.inf).all():
         raise ValueError("a log density is NaN or +inf")
@@ -150,7 +152,10 @@ def _evaluated(log_density: LogDensity, points: Array) -> Array:
 
 
 def _stand(at_draws: Array, at_proposed: Array, counted: float) -> tuple[float, Array, Array]:
-    """Return λ and both bridge functions, one for each draw and proposal."""
+    """Return λ, and the logistic terms at the draws and at the proposals.
+
+    `counted` is the effective number of draws, n₁.
+    """
     shift = np.log(counted / at_proposed.size)
 
     def of_draws(value: float) -> Array:
@@ -163,7 +168,7 @@ def _stand(at_draws: Array, at_proposed: Array, counted: float) -> tuple[float, 
         left, right = of_proposed(value).mean(), of_draws(value).mean()
         return float(at_proposed.size * left - counted * right)
 
-    # 40 nat beyond all of them every logistic is 0 or 1 to rounding.
+    # 40 nat beyond all values, each logistic function is 0 or 1 up to rounding.
     both = np.concatenate([at_draws.ravel(), at_proposed[np.isfinite(at_proposed)]])
     root = float(
         scipy.optimize.brentq(balance, both.min() - 40 - abs(shift), both.max() + 40 + abs(shift))
@@ -172,7 +177,7 @@ def _stand(at_draws: Array, at_proposed: Array, counted: float) -> tuple[float, 
 
 
 def _thinned(draws: Array) -> Array:
-    """Return evenly spaced steps and walkers of all."""
+    """Return the draws at evenly spaced steps and walkers."""
     ensembles, kept, walkers, _ = draws.shape
     steps = next(count for count in STEPS_A_HALF if count <= kept)
     share = min(walkers, max(1, DRAWS_A_HALF // (ensembles * steps)))
@@ -184,12 +189,12 @@ def _spread(count: int, available: int) -> NDArray[np.int_]:
 
 
 def in_one_place(draws: Array) -> bool:
-    """Return whether ensembles and walkers sample one mode, as :func:`bridge_evidence` needs.
+    """Return whether ensembles and walkers sample the same mode, as bridge sampling requires.
 
     Parameters
     ----------
     draws : ndarray, shape (ensembles, kept, walkers, D)
-        In the order in which they were drawn.
+        Draws in their order.
     """
     pooled, single = _spread_of_places(draws)
     return (

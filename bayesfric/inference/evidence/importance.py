@@ -1,10 +1,10 @@
 """The log evidence by importance sampling around the mode, and draws of the density.
 
-The proposal is fitted to importance samples of its own until much of a sample counts
-(:func:`bayesfric.inference.proposals.importance_points`); the sample that is weighed is drawn
-afterwards, since one that has been chosen by its weights is biased. It is of a mixture of that
-proposal and a wider one, and its weights are Pareto-smoothed. No chain has to be run, and where
-the weights are not to be relied on that is seen.
+The proposal is fitted to a series of importance samples, until the effective size of a sample is
+large enough (:func:`bayesfric.inference.proposals.importance_points`). The estimate uses a new
+sample, because one that was selected by its weights would be biased. It is drawn from a mixture of
+this proposal and a wider one, and its weights are Pareto-smoothed. No chain is needed, and Pareto k
+shows whether the weights are reliable.
 
 References
 ----------
@@ -37,12 +37,12 @@ from bayesfric.inference.proposals import (
 )
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
-SIZE = 4000
-LEAST_FOR_A_MEAN = 0.1  # of a sample; a mean over draws takes fewer than an evidence
-TRIES = 3  # each from a proposal that is fitted to the sample before
+SIZE = 4000  # points of a sample
+LEAST_FOR_A_MEAN = 0.1  # least relative effective size for a mean, which needs less than evidence
+TRIES = 3  # samples, each from a proposal fitted to the previous one
 DEFENSIVE, WIDER = 0.1, 2.0
-"""Share of the sample that is drawn from a wider proposal, which bounds the weights in the tails;
-how much wider."""
+"""Share of the sample from a wider proposal, which bounds the weights in the tails, and the ratio
+of the widths."""
 
 
 def importance_draws(
@@ -56,34 +56,34 @@ def importance_draws(
 ) -> tuple[Evidence, Array] | None:
     """Estimate the log evidence around one mode, and resample the points by their weights.
 
-    A mode far from this one cannot be noticed.
+    A mode far from this one is missing in the estimate.
 
     Parameters
     ----------
     log_density : callable
-        Unnormalised; points of shape (W, D) to log densities of shape (W,), −inf where it
-        is zero.
+        Unnormalised log density, from points of shape (W, D) to shape (W,); −inf where the
+        density is zero.
     laplace : Laplace
-        Its normal approximation.
+        Normal approximation of the density.
     seed : int
-        Of the samples.
+        Seed of the samples.
     chart : Chart
-        In which the proposal is fitted.
+        Coordinates in which the proposal is fitted.
     size : int
-        Points of the sample that is weighed.
+        Points of the sample from which the evidence is estimated.
     least_effective : float
-        Share that has to count of the sample that the proposal is fitted to.
+        Least relative effective size of the sample to which the proposal is fitted.
     points : int
-        Of that sample.
+        Points of that sample.
 
     Returns
     -------
     evidence : Evidence
-        With its standard error.
+        The estimate with its standard error.
     draws : ndarray, shape (size, D)
-        Of the density, some of them more than once; in no order.
+        Draws of the density in random order, some of them repeated.
 
-    None where no sample around the mode is to be relied on.
+    The result is None if no sample around the mode is reliable.
     """
     rng = np.random.default_rng(seed)
     fitted_to = importance_points(log_density, laplace, chart, rng, least_effective, points)
@@ -98,7 +98,7 @@ def importance_draws(
         fitted_to = z[resampled(np.minimum(weights, 1 / np.sqrt(size)), size, rng)]
     else:
         return None
-    # Points outside of the sampling space are draws too, of weight zero.
+    # Points outside the sampling space are part of the sample, with weight zero.
     error = float(np.sqrt(max((weights**2).sum() - 1 / size, 0.0)))
     evidence = Evidence(float(total - np.log(size)), error, "importance sampling", k)
     return evidence, rng.permutation(z[resampled(weights, size, rng)])
@@ -107,7 +107,7 @@ def importance_draws(
 def _weighed(
     log_density: LogDensity, fitted: Proposal, size: int, rng: np.random.Generator
 ) -> tuple[Array, Array, float]:
-    """Draw from a proposal and a wider one; return points, smoothed log weights, Pareto k."""
+    """Draw from the mixture of proposals; return points, smoothed log weights and Pareto k."""
     wider = Proposal(fitted.student.wider(WIDER), fitted.chart)
     parts = (1 - DEFENSIVE, fitted), (DEFENSIVE, wider)
     counts = rng.multinomial(size, [share for share, _ in parts])

@@ -1,14 +1,17 @@
 """Leave-one-group-out predictive densities, from draws of the posterior of all data.
 
-The groups of a joint normal are not independent given the parameters θ, so what is
-left out is a group g given all others: its density is p(y_g | y_−g, θ). Since
+The groups of a joint normal density are not independent given the parameters θ. The density of a
+group g given all others is therefore p(y_g | y_−g, θ). The relation
 
     p(θ | y_−g) ∝ p(θ | y) / p(y_g | y_−g, θ)
 
-holds without any independence, draws of p(θ | y) with the weights 1/p(y_g | y_−g, θ)
-are draws of the posterior without g, and the leave-one-out density is the mean over them
-of that same conditional density. The weights are Pareto-smoothed; where that
-fails, only an exact refit without the group helps.
+holds without independence. So draws of p(θ | y) with weights 1/p(y_g | y_−g, θ) are draws of the
+posterior without g, and the weighted mean of p(y_g | y_−g, θ) is the leave-one-out density. The
+weights are Pareto-smoothed.
+
+If the weights fail, the group informs θ so strongly that draws of p(θ | y) cannot be used. The same
+relation still gives the density without the group, up to a constant. Its mode is then found from
+that of all data, and the density is sampled by importance sampling around it (an exact refit).
 
 References
 ----------
@@ -21,20 +24,6 @@ M. Magnusson, M. R. Andersen, J. Jonasson, A. Vehtari, "Leave-one-out cross-vali
 for Bayesian model comparison in large data", AISTATS (2020).
 T. Sivula, M. Magnusson, A. A. Matamoros, A. Vehtari, "Uncertainty in Bayesian
 leave-one-out cross-validation based model comparison", arXiv:2008.10296.
-
-Where the weights of leave-one-out fail, the group decides so much that draws of the
-posterior of all data are of no use. The density without it is known all the same,
-
-    p(θ | y_−g) ∝ p(θ | y) / p(y_g | y_−g, θ),
-
-so no model is built again: the mode is climbed to from that of all the data, and the
-density is sampled around it by importance.
-
-References
-----------
-P.-C. Bürkner, J. Gabry, A. Vehtari, "Efficient leave-one-out cross-validation for
-Bayesian non-factorized normal and Student-t models", Computational Statistics 36
-(2021).
 """
 
 from collections.abc import Callable
@@ -53,10 +42,8 @@ from bayesfric.inference.pareto import smooth_weights
 from bayesfric.inference.proposals import SAMPLING_SPACE, Chart, LogDensity
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
-SIZE = 2000  # of the draws
-
-
-LEAST_DRAWS = 100
+SIZE = 2000  # draws of a refit
+LEAST_DRAWS = 100  # least posterior draws for leave-one-out weights
 
 
 @dataclass(frozen=True)
@@ -66,9 +53,9 @@ class Refit:
     Parameters
     ----------
     draws : ndarray, shape (S, D)
-        Of it.
+        Draws of this posterior.
     evidence : Evidence
-        Of the data without the group, on the scale of the log density that was given.
+        Evidence of the data without the group, on the scale of the given log density.
     """
 
     draws: Array
@@ -81,9 +68,9 @@ class Without(NamedTuple):
     Parameters
     ----------
     log_weights : ndarray, shape (draws, G)
-        For each group left out, adding up to 1 over the draws.
+        Log weights for each omitted group; the weights sum to 1 over the draws.
     pareto_k : ndarray, shape (G,)
-        Shape of the tail of each one's weights.
+        Shape of the tail of each group's weights.
     """
 
     log_weights: Array
@@ -92,16 +79,16 @@ class Without(NamedTuple):
 
 @dataclass(frozen=True)
 class ELPD:
-    """Expected log predictive density of G groups left out one at a time.
+    """Expected log predictive density of G groups, each left out in turn.
 
     Parameters
     ----------
     pointwise : ndarray, shape (G,)
-        log p(y_g | y_−g) of each [nat].
+        log p(y_g | y_−g) of each group [nat].
     pareto_k : ndarray, shape (G,)
-        Shape of the tail of each one's weights.
+        Shape of the tail of each group's weights.
     refitted : ndarray of bool, shape (G,)
-        Which groups have an exact refit.
+        Whether each group has an exact refit.
     limit_k : float
         Largest `pareto_k` that is reliable with this number of draws.
     """
@@ -123,18 +110,18 @@ class ELPD:
 
     @property
     def bad(self) -> NDArray[np.bool_]:
-        """Which groups have weights that fail, refitted or not, shape (G,)."""
+        """Whether the weights of each group are unreliable, refitted or not, shape (G,)."""
         return ~(self.pareto_k <= self.limit_k)
 
     @property
     def reliable(self) -> bool:
-        """Whether every group has been refitted or has weights that can be relied on."""
+        """Whether every group has reliable weights or a refit."""
         return bool((self.refitted | ~self.bad).all())
 
 
 @dataclass(frozen=True)
 class Difference:
-    """Of two expected log predictive densities.
+    """The difference of two expected log predictive densities.
 
     Parameters
     ----------
@@ -143,7 +130,7 @@ class Difference:
     se : float
         Paired standard error; inf for a single group.
     unreliable : tuple of str
-        Why the standard error is not to be relied on; empty if it is.
+        Reasons why the standard error is unreliable; empty if it is reliable.
     """
 
     elpd: float
@@ -152,23 +139,23 @@ class Difference:
 
     @property
     def reliable(self) -> bool:
-        """Whether nothing speaks against the standard error."""
+        """Whether the standard error is reliable."""
         return not self.unreliable
 
 
 def without_each(log_likelihood: Array) -> Without:
-    """Weigh draws for each group left out.
+    """Compute weights of posterior draws for each omitted group.
 
     Parameters
     ----------
     log_likelihood : ndarray, shape (draws, G)
-        log p(y_g | y_−g, θ) of each group for each posterior draw; for groups that are
-        independent given θ, the same as log p(y_g | θ).
+        log p(y_g | y_−g, θ) of each group for each posterior draw. For groups that are
+        independent given θ, this is log p(y_g | θ).
 
     Raises
     ------
     ValueError
-        Fewer than 100 draws, or densities that are not finite.
+        If there are fewer than 100 draws, or if a density is not finite.
     """
     _check(log_likelihood)
     smoothed = [smooth_weights(-column) for column in log_likelihood.T]
@@ -188,21 +175,21 @@ def elpd(
     log_likelihood : ndarray, shape (draws, G)
         As for :func:`without_each`.
     refit : callable or None
-        Place of a group to its exact log p(y_g | y_−g), such as from the draws of
-        :func:`bayesfric.inference.evidence.refit_without`, or to None where that cannot be had;
-        called where Pareto smoothing fails.
+        Of the index of a group, to its exact log p(y_g | y_−g), for example from the draws of
+        :func:`refit_without`; or to None if there is none. It is called for groups whose weights
+        are unreliable.
     without : Without or None
-        Weights of these draws; None finds them.
+        Weights of these draws; None computes them.
 
     Returns
     -------
     ELPD
-        Unreliable where smoothing fails and there is no refit.
+        Unreliable if a group has neither reliable weights nor a refit.
 
     Raises
     ------
     ValueError
-        Fewer than 100 draws, or densities that are not finite.
+        If there are fewer than 100 draws, or if a density is not finite.
     """
     log_weights, pareto_k = without or without_each(log_likelihood)
     draws, groups = log_likelihood.shape
@@ -210,7 +197,7 @@ def elpd(
     limit_k = min(SAMPLING_RULES.pareto_k, 1 - 1 / np.log10(draws))
     refitted = np.zeros(groups, dtype=bool)
     if refit is not None:
-        # A k that is not a number is bad as well.
+        # NaN counts as unreliable too.
         for bad in np.flatnonzero(~(pareto_k <= limit_k)).tolist():
             exact = refit(bad)
             if exact is not None:
@@ -224,17 +211,17 @@ def difference(first: ELPD, second: ELPD) -> Difference:
     Parameters
     ----------
     first, second : ELPD
-        Of the same groups, in the same order.
+        Densities of the same groups in the same order.
 
     Returns
     -------
     Difference
-        Positive if the first predicts better.
+        Positive if the first model predicts better.
 
     Raises
     ------
     ValueError
-        The numbers of groups differ.
+        If the numbers of groups differ.
     """
     if first.pointwise.shape != second.pointwise.shape:
         raise ValueError(
@@ -255,14 +242,13 @@ def difference(first: ELPD, second: ELPD) -> Difference:
 def loo_pit(cdf: Array, without: Without) -> Array:
     """Return the leave-one-out probability integral transform (LOO-PIT) of each group.
 
-    It is the probability, had the group been left out, of a lower value than was observed;
-    uniform from 0 to 1 over the groups where the model is right.
+    It is the leave-one-out predictive probability of a lower value than the observed one. If the
+    model is correct, it is uniform between 0 and 1 over the groups.
 
     Parameters
     ----------
     cdf : ndarray, shape (draws, G)
-        P(Y_g ≤ y_g | y_−g, θ) of one number of each group, such as Φ of its
-        conditional z-score.
+        P(Y_g ≤ y_g | y_−g, θ) of a scalar of each group, such as Φ of its conditional z-score.
     without : Without
         Weights of these draws.
 
@@ -274,7 +260,7 @@ def loo_pit(cdf: Array, without: Without) -> Array:
     Raises
     ------
     ValueError
-        Shapes that differ.
+        If the shapes of `cdf` and the weights differ.
 
     References
     ----------
@@ -284,7 +270,7 @@ def loo_pit(cdf: Array, without: Without) -> Array:
     weights = np.exp(without.log_weights)
     if cdf.shape != weights.shape:
         raise ValueError(f"cdf {cdf.shape} and the weights {weights.shape} differ")
-    # A sum of weights is 1 but for rounding.
+    # Rounding may put the sum of the weights above 1.
     return np.asarray(np.clip((weights * cdf).sum(axis=0), 0.0, 1.0))
 
 
@@ -317,22 +303,22 @@ def refit_without(
     Parameters
     ----------
     log_density : callable
-        Unnormalised log posterior of all data; points of shape (W, D) to shape (W,).
+        Unnormalised log posterior of all data, from points of shape (W, D) to shape (W,).
     log_conditional : callable
-        log p(y_g | y_−g, θ) of the group, likewise.
+        log p(y_g | y_−g, θ) of the group, of the same shapes.
     start : ndarray, shape (D,)
-        A point of finite density, such as the draw with the highest.
+        A point of finite density, such as the draw with the highest density.
     scale : ndarray, shape (D,)
-        Widest plausible scale of each coordinate, such as its prior's.
+        Largest plausible scale of each coordinate, such as that of its prior.
     seed : int
-        Of the draws.
+        Seed of the draws.
     chart : Chart
-        In which a proposal is fitted.
+        Coordinates in which a proposal is fitted.
 
     Returns
     -------
     Refit or None
-        None where importance sampling is not to be relied on.
+        None if importance sampling is unreliable.
     """
 
     def without(points: Array) -> Array:
@@ -345,7 +331,7 @@ def refit_without(
 
     try:
         laplace = laplace_approximation(without, start, scale)
-    except NoModeError:  # what is left may fit exactly
+    except NoModeError:  # the remaining data may fit exactly, so that the density has no mode
         return None
     drawn = importance_draws(without, laplace, seed, chart, SIZE, least_effective=LEAST_FOR_A_MEAN)
     return None if drawn is None else Refit(drawn[1], drawn[0])

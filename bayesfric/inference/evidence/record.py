@@ -1,13 +1,12 @@
-"""An estimate of a log evidence, and its refusal where modes are separated."""
+"""An estimate of a log evidence, and the error that is raised if modes are separated."""
 
 from dataclasses import dataclass
 
 
 class SeparatedModes(ValueError):  # noqa: N818 — a finding about the density, named as one
-    """The draws lie in modes between which they do not move; the message has the numbers.
+    """The draws are in separate modes; the message contains the R-hat values or the overlap.
 
-    How much probability each mode holds is then not known from the draws, so no
-    evidence is guessed.
+    The draws then do not determine the probability of each mode, so no evidence is estimated.
     """
 
 
@@ -22,9 +21,9 @@ class Evidence:
     error : float
         Its standard error [nat].
     method : str
-        How it was found, in a few words.
+        Name of the method.
     pareto_k : float or None
-        Shape of the tail of the importance weights, where there are any.
+        Shape of the tail of the importance weights; None if there are no weights.
     """
 
     log_evidence: float

@@ -1,4 +1,4 @@
-"""What a sampler is: a start, and some steps from wherever a piece of a run has ended."""
+"""The interface of a sampler: a start, and further steps from the end of a piece of a run."""
 
 from typing import Protocol
 
@@ -9,31 +9,31 @@ from bayesfric.inference.proposals import Proposal
 
 
 class SamplingError(RuntimeError):
-    """The sampler could not start; the message says what it saw."""
+    """A sampler found too few starting points; the message contains their number."""
 
 
 class Sampler(Protocol):
-    """Chains that move together; a subclass is all that another sampler takes.
+    """A sampler of chains that move together; a new sampler is a subclass.
 
-    A piece of a run is arrays by name, so that a store keeps the chains and the state of the
-    random numbers as one: ``chain`` (steps, W, D), ``log_density`` (steps, W), ``accepted`` (W,)
-    and whatever else :meth:`advance` needs to go on from there to the very same draws.
+    A piece of a run is a mapping of names to arrays: ``chain`` (steps, W, D), ``log_density``
+    (steps, W), ``accepted`` (W,), and the state of the random numbers. A checkpoint stores it as a
+    whole, so :meth:`advance` can continue from it to exactly the same draws.
     """
 
     def start(self, proposal: Proposal, seed: np.random.SeedSequence) -> Arrays:
-        """Return a piece of one step, not counted, from which a run begins.
+        """Return the starting points of a run, as a piece of one step that is not counted.
 
         Parameters
         ----------
         proposal : Proposal
-            Fitted to the density.
+            Proposal fitted to the density.
         seed : SeedSequence
-            Of all random numbers of the run.
+            Seed of all random numbers of the run.
 
         Raises
         ------
         SamplingError
-            There are too few places at which the density is finite.
+            If the density is finite at too few points.
         """
 
     def advance(self, proposal: Proposal, last: Arrays, steps: int) -> Arrays:
@@ -42,9 +42,9 @@ class Sampler(Protocol):
         Parameters
         ----------
         proposal : Proposal
-            To propose from.
+            Proposal of the moves.
         last : mapping of str to ndarray
-            The piece before.
+            The previous piece.
         steps : int
-            How long it is.
+            Number of steps of the new piece.
         """

@@ -1,7 +1,7 @@
 """Ensembles of walkers by emcee.
 
-Nine moves in ten are independence proposals with their Hastings ratio; the tenth is differential
-evolution, which explores where the proposal does not fit.
+Most moves (by default nine in ten) are independence proposals with their Hastings ratio. The others
+are moves of differential evolution, which explore where the proposal does not fit.
 
 References
 ----------
@@ -20,21 +20,21 @@ from bayesfric.checkpoint import Arrays
 from bayesfric.inference.proposals import LogDensity, Proposal
 from bayesfric.inference.samplers.base import Sampler, SamplingError
 
-START_INFLATION = 1.5  # starts are wider than the posterior, so that R-hat can tell
-START_TRIES = 10  # draws of two a walker each
+START_INFLATION = 1.5  # spread of starting points over that of the posterior, as R-hat requires
+START_TRIES = 10  # attempts to find starting points, each of two draws for each walker
 
 
 class Ensembles(Sampler):
-    """One ensemble at a time.
+    """A sampler that runs one ensemble at a time.
 
     Parameters
     ----------
     log_density : callable
-        Points of shape (W, D) to log densities of shape (W,).
+        From points of shape (W, D) to log densities of shape (W,).
     walkers : int
-        W of them.
+        Number of walkers, W.
     independence_share : float
-        Of the moves.
+        Share of independence proposals among the moves.
     stepped : callable
         Called after each step.
     """
@@ -50,7 +50,7 @@ class Ensembles(Sampler):
         self._independence_share, self._stepped = independence_share, stepped
 
     def start(self, proposal: Proposal, seed: np.random.SeedSequence) -> Arrays:
-        """Return starts of finite density, wider than the posterior."""
+        """Return starting points of finite density, more spread out than the posterior."""
         rng = np.random.RandomState(np.random.MT19937(seed))
         starts: list[Array] = []
         for _ in range(START_TRIES):
@@ -83,7 +83,7 @@ class Ensembles(Sampler):
         sampler = emcee.EnsembleSampler(
             walkers, size, self._log_density, moves=moves, vectorize=True
         )
-        # emcee's wrapper prints a traceback of whatever ends a call, an interrupt among it.
+        # emcee's wrapper would print a traceback for every exception, even for an interrupt.
         sampler.log_prob_fn = self._log_density
         for _ in sampler.sample(state, iterations=steps):
             self._stepped()

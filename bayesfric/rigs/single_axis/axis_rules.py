@@ -1,6 +1,6 @@
-"""The thresholds by which a log of a driven axis is read and believed, all in one place.
+"""The thresholds for reading a log of a driven axis and for accepting its results.
 
-Numbers that only say how finely something is computed stand with what they are used for.
+Constants that only set the resolution of a computation are in the modules that use them.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 class AxisRules:
     """Thresholds of a driven axis; :func:`bayesfric.rules.rules_of` lists them.
 
-    Each has its unit, the page of docs/decisions where it is argued, and what it decides.
+    Each has a unit, a page of docs/decisions with its reasons, and a sentence on what it decides.
 
     Fields
     ------

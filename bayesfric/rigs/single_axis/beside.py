@@ -1,7 +1,8 @@
-"""Forces beside the law whose amounts nobody knows: errors of a model, pulls of other joints.
+"""Forces beside the law with unknown amounts, such as errors of a model or forces of other joints.
 
-Each has an amount with a prior N(0, 1). Many of them are alike on a recording, and many do
-nothing: what counts are the leading directions of all together, whose amounts are N(0, 1) too.
+Each amount has a prior N(0, 1). On a given recording, many of these forces are similar, and many
+are negligible. They are therefore replaced by their leading principal directions, whose amounts
+also have priors N(0, 1).
 """
 
 from dataclasses import dataclass, field
@@ -11,24 +12,24 @@ import numpy as np
 from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 
-LEAST = 1e-3  # of the rms force of all rows, that a direction adds at the least
-LEAST_OF_FRICTION = 2e-3  # or of the mean force, which friction is, where that is less
-FRICTION_SHARE = 0.1  # of the rms force, that friction counts as at the least
-MOST = 120  # directions
-NO_LESS = 0.02  # of the rms force, that is left at the least, in a rough estimate
-ROUNDS = 3  # of the size of what is left
+LEAST = 1e-3  # least rms of a direction that is kept, relative to the rms force of all windows
+LEAST_OF_FRICTION = 2e-3  # the same relative to the mean force (friction); the smaller one counts
+FRICTION_SHARE = 0.1  # least friction that is assumed for this, relative to the rms force
+MOST = 120  # largest number of directions
+NO_LESS = 0.02  # least residual rms in a rough estimate, relative to the rms force
+ROUNDS = 3  # estimates of the residual rms
 
 
 @dataclass(frozen=True)
 class Mixing:
-    """Of which forces the leading directions are made.
+    """The composition of the leading directions.
 
     Parameters
     ----------
     shares : ndarray, shape (K, C)
-        Of each of C forces in each of K directions; rows are orthonormal.
+        Weight of each of C forces in each of K directions; its rows are orthonormal.
     left_out : float
-        Rms that directions which were left out may add, over the rms force.
+        Prior rms of the omitted directions, relative to the rms force.
     """
 
     shares: Array = field(default_factory=lambda: np.zeros((0, 0)))
@@ -37,12 +38,12 @@ class Mixing:
 
 @dataclass(frozen=True)
 class Amounts:
-    """Amounts of forces beside the law, integrated out of the density of all rows together.
+    """Amounts of forces beside the law, integrated out of the joint density of all windows.
 
-    Given the law's numbers x the density is normal in the amounts c, whose mode is T (1, −x) with
-    T = (B'WB + 1)⁻¹ B'W (y, L): y is the force, L are the law's columns and W is the inverse
-    covariance of the rows. With the mode in their place, and the determinant of what is left open,
-    they are integrated out. T is that of the most probable noise.
+    Given the law's coefficients x, the density is normal in the amounts c. Their mode is T (1, −x)
+    with T = (B'WB + I)⁻¹ B'W (y, L), where y is the force, L are the law's columns and W is the
+    inverse covariance of the windows. The integral is the density at the mode, times a factor with
+    the determinant of B'WB + I. T is computed at the mode of the noise.
 
     Parameters
     ----------
@@ -57,33 +58,33 @@ class Amounts:
 
     @classmethod
     def of(cls, form: Array, width: int = 6) -> "Amounts":
-        """Return the amounts of the last columns.
+        """Return the amounts of the last K columns.
 
         Parameters
         ----------
-        form : ndarray, shape (n + K,) twice
-            Weighted products of columns: the force, the law's, and those of the amounts.
+        form : ndarray, shape (n + K, n + K)
+            Weighted inner products of the columns: force, law, and forces beside the law.
         width : int
-            n, the force and the law's columns.
+            n, the number of columns of force and law.
         """
         own = form[width:, width:]
         modes = np.linalg.solve(own + np.eye(len(own)), form[width:, :width])
         return cls(np.asarray(modes), np.maximum(np.linalg.eigvalsh(own), 0.0))
 
-    def taken_off(self, data: Array) -> Array:
-        """Return rows of the force and the law's columns less the amounts' modes, (W, n)."""
+    def without_modes(self, data: Array) -> Array:
+        """Return force and law's columns minus the forces beside the law at their mode, (W, n)."""
         width = self.modes.shape[1]
         return np.asarray(data[:, :width] - data[:, width:] @ self.modes)
 
     def log_density(self, left: Array, scale: Array) -> Array:
-        """Return what the amounts add to the log density, (S,).
+        """Return the contribution of prior and determinant of the amounts to the log density, (S,).
 
         Parameters
         ----------
         left : ndarray, shape (S, n)
-            (1, −x).
+            (1, −x) of S parameter vectors.
         scale : ndarray, shape (S,)
-            Of the rows' errors, over those of T.
+            Scale of the windows' errors, relative to that at which T was computed.
         """
         modes = left @ self.modes.T
         open_still = np.log1p(self.eigenvalues / scale[:, None] ** 2).sum(axis=1)
@@ -91,52 +92,52 @@ class Amounts:
 
 
 def leading(columns: Array, force: Array) -> tuple[Array, Mixing]:
-    """Return the leading directions of forces whose amounts are N(0, 1).
+    """Return the leading directions of forces whose amounts have priors N(0, 1).
 
     Parameters
     ----------
     columns : ndarray, shape (W, C)
-        What an amount of 1 of each adds to each row.
+        Force of each in each window, for an amount of 1 [N or N·m].
     force : ndarray, shape (W,)
-        Of the rows, in the way's sense: its mean is friction, however much a joint carries.
+        Force of the windows along the motion. Its mean is about friction, for any load [N or N·m].
 
     Returns
     -------
     directions : ndarray, shape (W, K)
-        What an amount of 1 of each direction adds.
+        Force of each direction, for an amount of 1.
     mixing : Mixing
-        Of what they are made.
+        The composition of the directions.
     """
     if not columns.size:
         return columns[:, :0], Mixing(np.zeros((0, columns.shape[1])))
     left, size, right = np.linalg.svd(columns, full_matrices=False)
     rms = size / np.sqrt(len(columns))
-    whole = float(np.sqrt(np.mean(force**2))) or 1.0
-    friction = max(abs(float(np.mean(force))), FRICTION_SHARE * whole)
-    least = min(LEAST * whole, LEAST_OF_FRICTION * friction)
-    count = min(MOST, len(columns) // AXIS_RULES.rows_a_number, int(np.sum(rms > least)))
-    rest = float(np.sqrt(np.sum(rms[count:] ** 2))) / whole
-    return left[:, :count] * size[:count], Mixing(right[:count], rest)
+    rms_force = float(np.sqrt(np.mean(force**2))) or 1.0
+    friction = max(abs(float(np.mean(force))), FRICTION_SHARE * rms_force)
+    least_rms = min(LEAST * rms_force, LEAST_OF_FRICTION * friction)
+    count = min(MOST, len(columns) // AXIS_RULES.rows_a_number, int(np.sum(rms > least_rms)))
+    rms_left_out = float(np.sqrt(np.sum(rms[count:] ** 2))) / rms_force
+    return left[:, :count] * size[:count], Mixing(right[:count], rms_left_out)
 
 
 def rough_amounts(law: Array, beside: Array, force: Array, inside: Flags) -> Array:
-    """Return roughly what forces of unknown amounts add to each row, (W,); see `rough_shares`."""
+    """Return a rough estimate of the forces beside the law, (W,); see :func:`rough_shares`."""
     return np.asarray(beside @ rough_shares(law, beside, force, inside))
 
 
 def rough_shares(law: Array, beside: Array, force: Array, inside: Flags) -> Array:
-    """Return rough amounts of forces, (K,).
+    """Return rough estimates of the amounts of forces beside the law, (K,).
 
     Parameters
     ----------
     law : ndarray, shape (W, n)
-        Columns of the law, whose numbers may be anything.
+        Columns of the law, whose coefficients have flat priors.
     beside : ndarray, shape (W, K)
-        What an amount of 1 of each adds; amounts are N(0, 1).
+        Force of each in each window, for an amount of 1; amounts have priors N(0, 1).
     force : ndarray, shape (W,)
-        Of the rows.
+        Force of the windows.
     inside : ndarray of bool, shape (W,)
-        Rows that tell it.
+        Windows that are used.
     """
     if not beside.shape[1]:
         return np.zeros(0)
@@ -144,11 +145,11 @@ def rough_shares(law: Array, beside: Array, force: Array, inside: Flags) -> Arra
     width = np.maximum(np.abs(columns).max(axis=0, initial=0.0), 1e-300)
     prior = np.diag(np.concatenate([np.zeros(law.shape[1]), np.ones(beside.shape[1])]) / width)
     goal = np.concatenate([force[inside], np.zeros(len(prior))])
-    whole = float(np.sqrt(np.mean(force[inside] ** 2)))
-    error = 0.1 * whole
+    rms_force = float(np.sqrt(np.mean(force[inside] ** 2)))
+    error = 0.1 * rms_force
     for _ in range(ROUNDS):
         design = np.vstack([columns / width, error * prior])
         amounts = np.linalg.lstsq(design, goal, rcond=1e-9)[0] / width
-        rest = force[inside] - columns @ amounts
-        error = max(float(np.sqrt(np.mean(rest**2))), NO_LESS * whole)
+        residual = force[inside] - columns @ amounts
+        error = max(float(np.sqrt(np.mean(residual**2))), NO_LESS * rms_force)
     return np.asarray(amounts[law.shape[1] :])

@@ -1,10 +1,10 @@
-"""What the gear of an axis carries: told by the motion and the place, never by the force itself.
+"""The load of an axis' gear, estimated from motion and position instead of the drive force.
 
-The drive force of a row has that row's own friction and error in it. As a regressor it would
-explain all of the row by itself, as a limit of the drive would (:mod:`.limit`). So the load is what
-a fit of all rows says: mass times acceleration, and a pull that is a smooth function of the place.
-What is known of the force by a model of the machine is carried too, and so is what other joints
-pull with, in amounts that the same rows tell roughly.
+The drive force of a window contains its own friction and error. As a regressor it would explain the
+window by itself, as a limit of the drive would (:mod:`.limit`). So the load is fitted to all
+windows: a mass times the acceleration, and a force that is a smooth function of position. The known
+force of a model of the machine belongs to the load too, and so do forces of other joints, whose
+amounts the same windows determine roughly.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,21 +22,21 @@ from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rough import POWERS, places_of, pull_basis
 from bayesfric.rigs.single_axis.weak_form import node_weights
 
-ROUNDS = 3  # of taking off what friction by the load may be
-BINS = 12  # of the path, in which it is looked whether the axis runs both ways
+ROUNDS = 3  # fits, each with friction by the load of the previous fit
+BINS = 12  # sections of the path in which both directions of motion are counted
 
 
 class Pull(NamedTuple):
-    """What one load is.
+    """One load: its inertia, and its force as a function of position.
 
     Parameters
     ----------
     mass : float
-        That moves [kg, or kg·m²].
+        The mass that moves [kg, or kg·m²].
     pull : ndarray, shape (m,)
-        Of the functions of :func:`.rough.pull_basis`.
+        Coefficients of the functions of :func:`.rough.pull_basis` [N or N·m].
     middle, half : float
-        Of the positions, which make a place of one.
+        Middle and half range of the positions, by which they are standardised [m or rad].
     """
 
     mass: float
@@ -47,14 +47,14 @@ class Pull(NamedTuple):
 
 @dataclass(frozen=True)
 class Carried:
-    """What the gear carries, of each load that was told apart.
+    """The loads of a recording's gear.
 
     Parameters
     ----------
     columns : tuple of str
-        Of the table of runs, that say which load a run moves.
+        Columns of the table of runs that determine the load of a run.
     loads : mapping of tuple to Pull
-        By the values of these columns.
+        The loads, by the values of these columns.
     others : ndarray, shape (K,)
         Rough amounts of the forces beside the law.
     """
@@ -64,18 +64,26 @@ class Carried:
     others: Array
 
     def beside_more(self, names: Sequence[str]) -> "Carried":
-        """Return the same where more stands beside the rows that the loads' pulls hold already."""
+        """Return the loads for windows with further forces beside the law, in amounts of 0.
+
+        The loads contain these forces already.
+        """
         return replace(self, others=np.append(self.others, np.zeros(len(names))))
 
     def at(self, readings: Readings, table: pd.DataFrame) -> tuple[Array, Array]:
-        """Return what is held, and what the mass takes, positive along the position, (W, P) twice.
+        """Return the static and the inertial part of the load at places inside each window.
 
         Parameters
         ----------
         readings : Readings
-            W rows.
+            W windows.
         table : DataFrame
-            Their trials.
+            The table of their trials.
+
+        Returns
+        -------
+        held, moved : ndarray, shape (W, P)
+            Positive along the position [N or N·m].
         """
         beside = readings.way * (readings.beside @ self.others)
         held, moved = readings.known_held + beside[:, None], readings.known_moved.copy()
@@ -92,18 +100,19 @@ class Carried:
 def carried_by(
     readings: Readings, inside: Flags, table: pd.DataFrame, columns: Sequence[str]
 ) -> Carried:
-    """Return what the gear carries, by a fit of the rows of each load.
+    """Return the loads of the gear, each fitted to its own windows.
 
     Parameters
     ----------
     readings : Readings
-        W rows.
+        W windows.
     inside : ndarray of bool, shape (W,)
-        Rows that are fitted.
+        Windows that are fitted.
     table : DataFrame
-        Their trials.
+        The table of their trials.
     columns : sequence of str
-        By which runs may move other loads; where one has few rows, all are taken to be the same.
+        Columns of the runs with which the load may differ. If any load has few windows, all runs
+        are assumed to have the same load.
     """
     keys = _keys(table, columns)
     rows_of = {
@@ -122,22 +131,22 @@ def carried_by(
         if not others.size:
             break
         carried = np.add(*carried_force.at(readings, table)) @ readings.weights
-        rubbing = np.abs(carried)[:, None]  # friction by the load bends what others seem to pull
+        rubbing = np.abs(carried)[:, None]  # without friction by the load, `others` are biased
     return carried_force
 
 
 def _law(readings: Readings, places: Array) -> Array:
-    """Return columns of the law, and of what pulls by place, in the sense of the motion, (W, n)."""
+    """Return columns of the law and of forces of the position, along the motion, (W, n)."""
     pull = pull_basis(places, *places_of(places)) * readings.way[:, None]
     speed = readings.speed @ readings.weights
     return np.column_stack([readings.acceleration, np.ones(readings.count), speed, pull])
 
 
 def _accelerations(readings: Readings) -> Array:
-    """Return accelerations along the position at places inside every row, (W, P).
+    """Return accelerations along the position at places inside each window, (W, P).
 
-    Where a row's mean passes through zero those at its places do so one after another: what goes
-    with their size has no corner. Their slope is that between neighbouring rows.
+    Within a window, acceleration changes linearly, with the slope between neighbouring windows. A
+    force that depends on its magnitude is therefore smooth where the window's mean passes zero.
     """
     own = readings.acceleration * readings.way
     near = (np.diff(readings.piece) == 0) & (np.diff(readings.time_s) > 0)
@@ -150,12 +159,12 @@ def _accelerations(readings: Readings) -> Array:
 
 
 def _keys(table: pd.DataFrame, columns: Sequence[str]) -> list[tuple[float, ...]]:
-    """Return what load each trial moves."""
+    """Return the key of each trial's load: the values of some columns."""
     return [tuple(map(float, row)) for row in table[list(columns)].to_numpy(dtype=np.float64)]
 
 
 def _fitted(readings: Readings, places: Array, rows: Whole, others: Array) -> Pull:
-    """Return the load that some rows move, beyond what is known and what others pull with."""
+    """Return the load that some windows determine, beyond known forces and those of others."""
     middle, half = places_of(places[rows])
     way, beside = readings.way[rows], readings.beside[rows] @ others
     force = readings.force[rows] - beside
@@ -167,21 +176,23 @@ def _fitted(readings: Readings, places: Array, rows: Whole, others: Array) -> Pu
     pull = pull_basis(places[rows], middle, half) * way[:, None]
     count = pull.shape[1]
     if (way > 0).all() or (way < 0).all():
-        pull[:, 0] = 0.0  # what is constant then is Coulomb friction
-    both, left = _squares(law, force)
-    pulled, less = _squares(np.column_stack([law, pull]), force)
-    if left - less >= AXIS_RULES.pulled * float(force @ force):
-        both = pulled
+        pull[:, 0] = 0.0  # a constant force cannot be separated from Coulomb friction then
+    coefficients, squares = _squares(law, force)
+    with_pull, squares_with_pull = _squares(np.column_stack([law, pull]), force)
+    if squares - squares_with_pull >= AXIS_RULES.pulled * float(force @ force):
+        coefficients = with_pull
     elif model_force.any():
         pull = pull[:, :0]
     else:
-        return Pull(max(float(both[0]), 0.0), np.zeros(count), middle, half)
-    for _ in range(ROUNDS):  # friction by the load bends what the place seems to pull
-        carried = model_force + both[0] * law[:, 0] + pull @ both[3 : 3 + pull.shape[1]]
-        both, _ = _squares(np.column_stack([law, pull, np.abs(carried)]), force)
-    own = np.zeros(count)
-    own[: pull.shape[1]] = both[3 : 3 + pull.shape[1]]
-    return Pull(max(float(both[0]), 0.0), own, middle, half)
+        return Pull(max(float(coefficients[0]), 0.0), np.zeros(count), middle, half)
+    for _ in range(ROUNDS):  # without friction by the load, the force of the position is biased
+        carried = (
+            model_force + coefficients[0] * law[:, 0] + pull @ coefficients[3 : 3 + pull.shape[1]]
+        )
+        coefficients, _ = _squares(np.column_stack([law, pull, np.abs(carried)]), force)
+    amounts = np.zeros(count)
+    amounts[: pull.shape[1]] = coefficients[3 : 3 + pull.shape[1]]
+    return Pull(max(float(coefficients[0]), 0.0), amounts, middle, half)
 
 
 def _squares(columns: Array, force: Array) -> tuple[Array, float]:
@@ -192,14 +203,14 @@ def _squares(columns: Array, force: Array) -> tuple[Array, float]:
 
 
 def shows_both_ways(readings: Readings, loads: int) -> bool:
-    """Return whether rows lift and lower at one pose, or move several loads.
+    """Return whether windows lift and lower at the same poses, or move several loads.
 
     Parameters
     ----------
     readings : Readings
-        W rows.
+        W windows.
     loads : int
-        How many there are.
+        Number of different loads.
     """
     places = readings.position @ readings.weights
     span = float(np.ptp(places)) or 1.0
@@ -210,17 +221,18 @@ def shows_both_ways(readings: Readings, loads: int) -> bool:
 
 
 def warmth_of(readings: Readings, order: Array) -> Array | None:
-    """Return how warm the axis is at each row, −0.5 to 0.5 in all; None where nobody can say.
+    """Return the relative warmth of the axis in each window, (W,); None if it is unknown.
 
-    It is the temperature that was logged. Without one it is the work that was done against
-    friction up to then, where that does not go with the order of the runs.
+    Warmth is the logged temperature. If no temperature varies, it is the sum of the windows' speeds
+    so far, a measure of the work against friction. If this sum correlates with the order of the
+    runs, warmth is unknown. It has a mean of 0 and a range of 1.
 
     Parameters
     ----------
     readings : Readings
-        W rows.
+        W windows.
     order : ndarray, shape (W,)
-        Place of each row's trial in the order of the recording, 0 to 1.
+        Rank of each window's trial in the order of the recording, 0 to 1.
     """
     warm = readings.temperature
     if not np.isfinite(warm).all() or np.ptp(warm) == 0:

@@ -60,11 +60,11 @@ def scales_of(
     logs : sequence of EvenLog
         Runs of the joint.
     paths : sequence of Path
-        Of all joints, each on its own log.
+        Paths of all joints, each at the samples of its own log.
     known_force_sd : float or None
         Stated standard error of the known part of the drive force.
     resting : sequence of ndarray, shape (N, k)
-        Forms of gravity and friction in each run, of :func:`gravity_and_friction`.
+        Columns of gravity and friction in each run, by :func:`gravity_and_friction`.
     """
     known_forces = [log.known_force.value for log in logs if log.known_force is not None]
     force = _rms([log.force for log in logs])
@@ -84,22 +84,22 @@ def scales_of(
 
 
 def _left(force: Array, forms: Sequence[Array]) -> float:
-    """Return the rms of a force after a least-squares fit of forms."""
+    """Return the rms residual of a force after a least-squares fit of columns."""
     columns = np.concatenate(forms)
     return _rms([force - columns @ np.linalg.lstsq(columns, force, rcond=1e-9)[0]])
 
 
 def gravity_and_friction(paths: Sequence[Path], own: int, rotary: bool) -> Array:
-    """Return forms of gravity, of friction and of an offset in a run, (N, k).
+    """Return columns of gravity, friction and an offset in a run, (N, k).
 
     Parameters
     ----------
     paths : sequence of Path
-        Of all joints, on the grid of the run, in the order of the chain.
+        Paths of all joints at the samples of the run, in the order of the chain.
     own : int
-        Place of the joint.
+        Index of the joint.
     rotary : bool
-        Whether the joints turn.
+        Whether the joints are rotary.
     """
     speed = paths[own].velocity
     columns = [np.ones(speed.size), np.sign(speed), speed]
@@ -124,7 +124,7 @@ def known_to(force: WeakForce, scales: Scales) -> WeakForce:
     Parameters
     ----------
     force : WeakForce
-        Of a run.
+        The known force of a run.
     scales : Scales
         Scales of the recording, with the stated error.
     """
@@ -141,15 +141,15 @@ def coupling(
     Parameters
     ----------
     paths : sequence of Path
-        Of all joints, on the grid of the run, in the order of the chain.
+        Paths of all joints at the samples of the run, in the order of the chain.
     own : int
-        Place of the joint.
+        Index of the joint.
     log : EvenLog
         The run.
     scales : Scales
-        Of the recording.
+        Scales of the recording.
     rotary : bool
-        Whether the joints turn.
+        Whether the joints are rotary.
     """
     near = _near(paths, own)
     rates = [paths[k].velocity for k in near]
@@ -178,7 +178,7 @@ def coupling(
 
 
 def _inner(paths: Sequence[Path], near: Sequence[int]) -> Iterator[Array]:
-    """Yield the angles on which a chain's inertia depends: of joints, of pairs, and doubled."""
+    """Yield the angles on which a chain's inertia depends: of joints and pairs, also doubled."""
     for k in near:
         yield from (paths[k].position, 2 * paths[k].position)
         if k + 1 in near:
@@ -187,7 +187,7 @@ def _inner(paths: Sequence[Path], near: Sequence[int]) -> Iterator[Array]:
 
 
 def _sums(paths: Sequence[Path], near: range, own: int) -> Iterator[Array]:
-    """Yield sums of neighbours' positions, this joint among them, with either sign."""
+    """Yield sums of positions of this joint and its neighbours, with either sign."""
     for first, last in product(near, near):
         if not first <= own <= last or last - first > AROUND:
             continue

@@ -1,7 +1,7 @@
-"""The covariance of rows: position and force errors, and friction that wanders along the path.
+"""The covariance of windows: errors of position and force, and wander of friction along the path.
 
-Rows of a piece (neighbours in one pass) are correlated, rows of different pieces are not. All
-pieces are padded to one length, so that they are solved together.
+Windows of a piece (neighbours in one pass) are correlated, windows of different pieces are not. All
+pieces are padded to the same length and inverted together.
 """
 
 from dataclasses import dataclass
@@ -12,25 +12,25 @@ from scipy.sparse import csr_array
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.readings import Readings
 
-LEAST = 1e-12  # of a row's variance, so that a covariance can be inverted
+LEAST = 1e-12  # relative increase of variances that makes a covariance invertible
 
 
 @dataclass(frozen=True)
 class Pieces:
-    """Rows by piece, padded.
+    """Windows (rows) by piece, padded.
 
     Parameters
     ----------
     rows : ndarray of int, shape (C, M)
-        Row at each position of each piece; the total number of rows for padding.
+        Index of the row at each position of each piece; the total number of rows for padding.
     position, force : ndarray, shape (C, M, M)
-        Covariance by a unit error of position (including the mass), and of force.
+        Covariance by unit errors of position (including the mass), and of force.
     apart : ndarray, shape (C, M, M)
-        Travel between two rows.
+        Travel between two rows [m or rad].
     moved : ndarray, shape (C, M)
-        Friction that wanders [N].
+        Friction that wanders [N or N·m].
     count : int
-        Of rows.
+        Number of rows.
     """
 
     rows: Whole
@@ -49,11 +49,11 @@ class Pieces:
         readings : Readings
             The rows.
         mass : float
-            Factor of an error of position.
+            Mass that multiplies errors of the acceleration [kg or kg·m²].
         moved : ndarray, shape (W,)
-            Friction that wanders [N].
+            Friction that wanders [N or N·m].
         damping : float
-            Factor of an error of a servo's speed.
+            Damping that multiplies errors of a servo's speed.
         """
         sizes = np.bincount(readings.piece)
         widest = int(sizes.max())
@@ -149,7 +149,7 @@ class Solved:
     inverse, whole : ndarray, shape (C, M, M)
         Inverse covariance, and covariance.
     parts : tuple of ndarray, shape (C, M, M)
-        By position, force and wander.
+        The parts of the covariance by errors of position, errors of force, and wander.
     length : float
         Correlation length of the wander.
     """
@@ -181,13 +181,13 @@ class Solved:
         Parameters
         ----------
         pulls : ndarray, shape (W, m)
-            The inverse covariance, shared deviations integrated out, times the residual and
-            times the columns by a root of the covariance of their numbers.
+            Inverse covariance with shared deviations integrated out, times the residual, and times
+            the columns multiplied by a root of the covariance of their coefficients.
         pulled : ndarray, shape (W, k)
-            The inverse covariance of rows alone times the columns of deviations.
+            Inverse covariance of the rows' own errors, times the columns of deviations.
         taken : ndarray, shape (N, k, k)
-            For each run: the part of their products that integration over deviations subtracts
-            from the inverse.
+            For each run, the matrix that integration over deviations subtracts from the inverse,
+            between these columns.
         trial : ndarray of int, shape (W,)
             Run of each row.
         kept : ndarray of bool, shape (W,)

@@ -1,4 +1,4 @@
-"""What the user declared of an axis: its accuracy, and whether the data contradict it."""
+"""Values that the user declared for an axis: their errors, and whether the data contradict them."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -11,12 +11,12 @@ from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import LawNumber
 
 MEASURED = frozenset({"motor", "link", "measured"})
-"""Kinds of force that act as they were logged, whatever was commanded."""
+"""Kinds of logged force that are measured, not commanded."""
 OF_MASS = 0.05  # relative error of a mass, or an inertia, that was weighed or computed
-OF_GAIN = {"link": 0.02, "measured": 0.02}  # of a force sensor's scale
-OF_CONSTANT = 0.1  # of a torque constant, which converts currents and commands to a force
+OF_GAIN = {"link": 0.02, "measured": 0.02}  # relative error of a force sensor's scale
+OF_CONSTANT = 0.1  # relative error of a torque constant, which converts currents to forces
 LITTLE_BEYOND = 0.05  # share of a limit by which a sensor may read beyond it
-MOSTLY = 0.5  # share of the commands beyond a limit: no joint is driven like that
+MOSTLY = 0.5  # largest credible share of commands beyond the limit
 
 
 def gain_sd(constants: RigConstants) -> float:
@@ -27,15 +27,20 @@ def gain_sd(constants: RigConstants) -> float:
 
 
 def mass_sd_kg(constants: RigConstants) -> float | None:
-    """Return the standard error of the mass in units of the force; None if no mass is declared.
+    """Return the standard error of the declared mass; None if no mass is declared.
 
-    The data of one axis cannot tell an error of its mass from an error of the force's scale, so
-    both are included.
+    The data of one axis cannot separate an error of its mass from an error of the force's scale,
+    so both are included.
 
     Parameters
     ----------
     constants : RigConstants
-        What was written down.
+        The constants of the machine.
+
+    Returns
+    -------
+    float or None
+        [kg, or kg·m²].
     """
     mass = constants.moving_mass_kg
     if mass is None:
@@ -45,7 +50,7 @@ def mass_sd_kg(constants: RigConstants) -> float | None:
 
 
 def contradicts(constants: RigConstants, mass: float) -> bool:
-    """Return whether a mass is too far from the declared one."""
+    """Return whether an estimated mass contradicts the declared mass."""
     sd = mass_sd_kg(constants)
     if constants.moving_mass_kg is None or sd is None:
         return False
@@ -55,24 +60,27 @@ def contradicts(constants: RigConstants, mass: float) -> bool:
 def doubts(
     constants: RigConstants, law: Mapping[str, LawNumber], rough_mass: float
 ) -> Iterator[str]:
-    """Yield what a reader must know of the declared values, a sentence each, the worst first.
+    """Yield a sentence for each doubt about the declared values, the most serious first.
 
     Parameters
     ----------
     constants : RigConstants
-        What was written down.
+        The constants of the machine.
     law : mapping of str to LawNumber
-        As estimated in a diagnosis.
+        The law as a diagnosis estimated it.
     rough_mass : float
-        Least-squares estimate beside friction and forces that depend on position.
+        Least-squares estimate of the mass, fitted together with friction and with forces that
+        depend on position [kg, or kg·m²].
     """
     mass, sd = constants.moving_mass_kg, mass_sd_kg(constants)
     if mass is not None and sd is not None and "inertia" in law:
         number = law["inertia"]
-        # An effect that depends on the acceleration may stand for a mass. So the law without
-        # effects counts too, if the rough mass shows that it is not biased.
-        alone = [number.before] if contradicts(constants, rough_mass) else []
-        by_data = [_by_the_data(interval, mass, sd) for interval in (number.after, *alone)]
+        # An effect that depends on the acceleration may imitate a mass. So the estimate without
+        # effects is tested too, if the rough mass also contradicts the declared one.
+        without_effects = [number.before] if contradicts(constants, rough_mass) else []
+        by_data = [
+            _by_the_data(interval, mass, sd) for interval in (number.after, *without_effects)
+        ]
         if number.least_squares is not None:  # an instrumental estimate contains no prior
             by_data[0] = number.after.mean, number.after.sd
         yield from _contradicted(
@@ -80,20 +88,20 @@ def doubts(
         )
     if constants.force_is == "link":
         yield (
-            "The force is one behind the gear (rig.force_is = link): friction before the sensor, "
-            "most of a gear's, does not show in it"
+            "The force was measured behind the gear (rig.force_is = link): friction before the "
+            "sensor, which is most of a gear's friction, is not in it"
         )
 
 
 def beyond_limit(constants: RigConstants, drive: Array, unit: str) -> Iterator[str]:
     """Yield a sentence if recorded forces exceed the declared limit of the drive.
 
-    Commands may exceed it: the part beyond the limit then does not act.
+    Some commands may exceed the limit: the drive clips them. Measured forces may not.
 
     Parameters
     ----------
     constants : RigConstants
-        What was written down.
+        The constants of the machine.
     drive : ndarray
         Recorded forces [N or N·m].
     unit : str
@@ -102,8 +110,8 @@ def beyond_limit(constants: RigConstants, drive: Array, unit: str) -> Iterator[s
     limit, measured = constants.force_limit_n, constants.force_is in MEASURED
     if limit is None:
         return
-    least = (1 + LITTLE_BEYOND) * limit if measured else limit
-    share = float(np.mean(np.abs(drive) > least))
+    highest = (1 + LITTLE_BEYOND) * limit if measured else limit
+    share = float(np.mean(np.abs(drive) > highest))
     if share > (0.0 if measured else MOSTLY):
         yield (
             f"rig.force_limit_n is {limit:.3g} {unit}, and {share:.0%} of the "
@@ -121,14 +129,17 @@ def _contradicted(
         if apart > AXIS_RULES.contradicted:
             yield (
                 f"The data contradict what is declared: rig.moving_mass_kg is {declared:.4g} ± "
-                f"{sd:.2g} {unit}, and they say {value:.4g} ± {error:.2g} {unit}, {apart:.0f} "
+                f"{sd:.2g} {unit}, and the data give {value:.4g} ± {error:.2g} {unit}, {apart:.0f} "
                 "standard errors apart. The declared mass or the scale of the force is wrong"
             )
             return
 
 
 def _by_the_data(posterior: Interval, declared: float, sd: float) -> tuple[float, float] | None:
-    """Return the estimate of the data without the declared value's prior; None if uninformed."""
+    """Return the mean and sd of the likelihood alone, without the prior of the declared value.
+
+    None if the data do not inform the value.
+    """
     if posterior.sd > AXIS_RULES.own_number * sd:
         return None
     precision = posterior.sd**-2 - sd**-2

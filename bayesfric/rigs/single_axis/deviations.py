@@ -26,12 +26,13 @@ import numpy as np
 from bayesfric.arrays import Array, Whole
 from bayesfric.observation.shared_deviation import taken_up
 
-COSINES = 24  # of a map: half a wave is a twenty-fourth of the path at the least
-SHARED = COSINES + 2  # of deviations that runs share: of all, along the path, of the law's alone
-WAVES = 16  # in time within a run: half of one is a sixteenth of the longest run at the least
-COLUMNS = SHARED + WAVES  # of deviations
+COSINES = 24  # cosines of a map; the shortest half wave is a twenty-fourth of the path
+SHARED = COSINES + 2  # columns of all friction, of the cosines, and of the law's friction alone
+WAVES = 16  # cosines in time; the shortest half wave is a sixteenth of the longest run
+COLUMNS = SHARED + WAVES  # all columns of deviations
 LIFTED = np.array([0, *range(1, SHARED - 1), 0, SHARED - 1])
-"""A run's columns that others share: with those of its assembly, along the path, of all runs."""
+"""Indices of a run's columns in the order of shared deviations: that of its assembly, those along
+the path, and two that all runs share."""
 
 
 def map_columns(position: Array, waves: int = COSINES) -> Array:
@@ -47,11 +48,11 @@ def deviating_columns(position: Array, moved: Array, law: Array, time_s: Array) 
     Parameters
     ----------
     position : ndarray, shape (W,)
-        Mean of each row.
+        Mean position of each row.
     moved, law : ndarray, shape (W,)
         Friction including effects, and friction of the law alone [N].
     time_s : ndarray, shape (W,)
-        Of each row since its run began [s].
+        Time of each row since its run began [s].
     """
     along = moved[:, None] * map_columns(position)
     return np.column_stack([along, law, moved[:, None] * map_columns(time_s, WAVES)[:, 1:]])
@@ -70,16 +71,16 @@ def map_spectrum(length: float, decay: float, waves: int = COSINES) -> tuple[Arr
     decay : float
         Half the exponent of the spectrum.
     waves : int
-        K.
+        Number of cosines, K.
 
     Returns
     -------
     variance, by_length, by_decay : ndarray, shape (K,)
-        The latter two are derivatives by the logarithms.
+        Variances, and their derivatives by the logarithms of length and decay.
     """
     turn2 = (np.pi * length * np.arange(1, waves + 1)) ** 2
     log_weight = -decay * np.log1p(turn2)
-    weight = np.exp(log_weight - log_weight[0])  # the first is not 0 however steep they fall
+    weight = np.exp(log_weight - log_weight[0])  # the first weight is 1, so the sum is positive
     total = weight.sum()
     changes = (-2 * decay * weight * turn2 / (1 + turn2), -decay * weight * np.log1p(turn2))
     slopes = [2 * (change - weight * change.sum() / total) / total for change in changes]
@@ -93,11 +94,11 @@ class Levels:
     Parameters
     ----------
     run, setup : float
-        Of a run's and an assembly's friction.
+        Variance between runs, and between assemblies.
     run_map, machine_map : ndarray, shape (K,)
-        Of the weights of the cosines.
+        Variances of the cosines' weights, of the map of a run and of the map of all runs.
     slow : ndarray, shape (:data:`WAVES`,)
-        Of those in time.
+        Variances of the weights of the cosines in time.
     """
 
     run: float
@@ -138,13 +139,13 @@ class Shared:
         taken_by_run = self._run @ grams
         self._left = left = grams - grams[:, :, :k] @ taken_by_run
         self._assemblies = int(setup.max()) + 1
-        # Columns that several runs share: one an assembly, the cosines of all, and what all
-        # runs have in common, of all friction and of the law's.
+        # Columns that several runs share: one for each assembly, the cosines of all runs, and the
+        # common deviations of all friction and of the law's friction.
         beyond = np.arange(self._assemblies, self._assemblies + COSINES + 2)
         self._places = np.column_stack([setup, np.tile(beyond, (len(setup), 1))])
         self._member = member = np.equal.outer(np.arange(self._assemblies), setup) * 1.0
         lifted = left[:, LIFTED[:, None], LIFTED]
-        first = member @ lifted[:, 0]  # of assemblies, by themselves and by what all runs share
+        first = member @ lifted[:, 0]  # of assemblies with themselves and with columns of all runs
         self._shared = products = np.block(
             [
                 [np.diag(first[:, 0]), first[:, 1:]],
@@ -176,23 +177,19 @@ class Shared:
         ----------
         mixed : ndarray, shape (n − C, m)
             Combinations of the other columns whose squares are added: the residual, and the
-            columns times a root of the covariance of their numbers.
+            columns times a root of the covariance of their coefficients.
 
         Returns
         -------
-        run, setup : float
-            Per variance of a run's, of an assembly's friction.
-        run_map, machine_map : ndarray, shape (K,)
-            Per variance of each weight.
-        slow : ndarray, shape (:data:`WAVES`,)
-            The same in time.
+        run, setup, run_map, machine_map, slow : float or ndarray
+            Derivatives by the variances of :class:`Levels`, of the same shapes.
         """
         k, assemblies = COLUMNS, self._assemblies
         across, shared = self._across, self._shared
         pulled = (across - shared @ self._taken @ across) @ mixed
         own = np.diag(shared) - ((shared @ self._taken) * shared).sum(axis=1)
         above = (pulled**2).sum(axis=1) - own
-        inner = self._left[:, :, LIFTED]  # of a run's columns by those above
+        inner = self._left[:, :, LIFTED]  # products of a run's columns with the shared ones
         pulled = self._left[:, :, k:] @ mixed - inner @ (self._taken @ across @ mixed)[self._places]
         own = np.einsum("nkk->nk", self._left[:, :, :k]) - (
             (inner @ self._taken_of_runs) * inner
@@ -213,9 +210,11 @@ class Shared:
         Returns
         -------
         numbers : ndarray, shape (N, C, n − C)
-            By which a row's columns of deviations, weighted, are multiplied and subtracted.
+            Factors of a row's weighted columns of deviations; the products are subtracted from its
+            other weighted columns.
         inverse : ndarray, shape (N, C, C)
-            The same of the inverse covariance, from both sides.
+            Matrix between the weighted columns of deviations whose product is subtracted from the
+            inverse covariance.
         """
         k = COLUMNS
         lifted = (np.eye(k) - self._run @ self._grams[:, :, :k])[:, :, LIFTED]
@@ -230,7 +229,7 @@ class Shared:
         return np.asarray(self._taken[self._places[:, :, None], self._places[:, None, :]])
 
     def _summed(self, values: Array) -> Array:
-        """Return values of a run's C deviations, (N, C, k), summed where those above stand."""
+        """Return sums over runs of values of their C deviations, (N, C, k), for the shared ones."""
         sums = np.zeros((self._assemblies + COSINES + 2, values.shape[2]))
         sums[: self._assemblies] = self._member @ values[:, 0]
         sums[self._assemblies : -2] = values[:, 1 : SHARED - 1].sum(axis=0)
@@ -239,14 +238,14 @@ class Shared:
 
 
 def integrated(grams: Array, variance: Array) -> tuple[Array, Array]:
-    """Return products of columns with the numbers of the first k integrated out, run by run.
+    """Return products of columns with the coefficients of the first k integrated out, run by run.
 
     Parameters
     ----------
     grams : ndarray, shape (N, n, n)
         Weighted products of columns.
     variance : ndarray, shape (k,)
-        Of the first columns' numbers.
+        Prior variances of the first columns' coefficients.
 
     Returns
     -------
@@ -261,5 +260,5 @@ def integrated(grams: Array, variance: Array) -> tuple[Array, Array]:
 
 
 def _taken(gram: Array, variance: Array) -> tuple[Array, Array]:
-    """Return (D⁻¹ + G)⁻¹ of each gram matrix, and log |1 + D G|; D may take variance away."""
+    """Return (D⁻¹ + G)⁻¹ for each Gram matrix G, and log |I + D G|; variances D may be negative."""
     return taken_up(gram, np.sqrt(np.abs(variance)), np.where(variance < 0, -1.0, 1.0))

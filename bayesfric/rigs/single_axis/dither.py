@@ -49,11 +49,11 @@ def steady(
     logs : sequence of EvenLog
         Runs.
     mass : float
-        Rough mass, or inertia.
+        Rough mass or inertia [kg or kg·m²].
     half_s : float
-        Half of a window [s].
+        Half the width of a window [s].
     resolution : float or None
-        Of the encoder.
+        Resolution of the encoder.
     """
     noise = position_sd(logs, resolution)
     marked, dithering, total = [], 0, 0

@@ -54,14 +54,14 @@ def without_a_difference(samples: pd.DataFrame) -> Unsupported | None:
     Parameters
     ----------
     samples : DataFrame
-        Of one joint, as a recording has them.
+        Samples of one joint in a recording.
     """
     if "known_force_n" in samples and "force_n" in samples:
         force, modelled = samples["force_n"].to_numpy(), samples["known_force_n"].to_numpy()
         if np.array_equal(force, modelled) and force.any():
             return Unsupported(
                 "known_force_n is force_n in every row, so that nothing is left for friction: "
-                "known_force_n is what a rigid-body model says of the motion"
+                "known_force_n must be the force of a rigid-body model for the motion"
             )
     if "command_m" in samples and "force_n" not in samples:
         position = samples["position_m"].to_numpy()
@@ -69,7 +69,7 @@ def without_a_difference(samples: pd.DataFrame) -> Unsupported | None:
         if np.ptp(apart) <= SAME * np.ptp(position) and np.ptp(position):
             return Unsupported(
                 f"command_m is position_m, {apart[0]:.3g} apart in every row, so that no friction "
-                "holds the axis back: command_m is what was sent to the servo"
+                "holds the axis back: command_m must be the command that was sent to the servo"
             )
     return None
 
@@ -82,7 +82,7 @@ def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsu
     logs : sequence of EvenLog
         Runs.
     resolution : float or None
-        Of the encoder.
+        Resolution of the encoder.
     """
     stroke = max(float(np.ptp(log.position)) for log in logs)
     if stroke == 0:
@@ -110,7 +110,7 @@ def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsu
 
 
 def refused_for_few_windows(readings: Readings | None) -> Unsupported | None:
-    """Return why rows are too few for mass and friction; None if there are enough."""
+    """Return why windows are too few for mass and friction; None if there are enough."""
     count = 0 if readings is None else round(min(readings.hop, 1.0) * readings.count)
     if count >= AXIS_RULES.least_windows:
         return None

@@ -1,4 +1,4 @@
-"""Runs of an axis that enter: what they are, and what of a law and of effects they can tell."""
+"""The runs of an axis that are used, and which parts of a law and which effects they determine."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -34,8 +34,9 @@ TURNS = {
     SHOWS_PLACE: {"position", "angle", "period", "direction", "turns"},
     6: {"play", "spring"},
 }
-"""From how many turns on an axis shows what goes with place or direction, apart from time,
-and how a load follows the drive."""
+"""The least number of reversals that an effect needs, by what its force depends on. With fewer
+reversals, a dependence on position or direction cannot be separated from a change in time, and the
+motion of a load behind the drive cannot be determined."""
 NO_COULOMB = "law-without-coulomb"
 OFFERED = ALWAYS | {
     "angle",
@@ -48,57 +49,63 @@ OFFERED = ALWAYS | {
     "warmth",
     NO_COULOMB,
     NO_OFFSET,
-}  # what no column of the user's own stands for
+}  # names that a user's own column must not have
 LIKE_A_PULL = (
-    "On this motion the acceleration is nearly a function of the position, and position errors "
-    "hide the rest: inertia is not estimated, and forces of the position include a part of it"
+    "In this motion the acceleration is nearly a function of the position, and position errors "
+    "hide the difference. So inertia is not estimated, and forces that depend on position include "
+    "a part of it"
 )
 PLACED = frozenset({"gravity-torque", "spring", "axis-bias"})
 
 
 @dataclass(frozen=True)
 class EnteredRuns(RigTrials):
-    """Runs, or parts of runs where they are few, that enter.
+    """The runs that are used. If there are few runs, each is cut into several trials.
 
     Parameters
     ----------
     rig : Rig
         The kind of rig.
     constants : RigConstants
-        The machine.
+        The constants of the machine.
     table : DataFrame
-        One row a trial.
+        One row for each trial.
     readings : Readings
-        Rows of all trials.
+        Windows of all trials.
     measures : Measures
-        Of the whole recording.
+        Scales of the whole recording.
     still : tuple of str
         Runs in which the axis does not move.
     law : FrictionLaw
-        Around which a diagnosis makes them linear.
+        The law around which a diagnosis linearises.
+    loads : tuple of str
+        For proposed runs: columns that together define a condition.
+    interval_s : float
+        Typical time between samples [s].
     source : Axis
-        The tables.
+        The tables of the recording.
     simulated : SimulatedBaseline or None
-        A user's simulator, in the place of the law in a diagnosis.
+        A user's simulator, which replaces the law in a diagnosis.
     turns : int
-        How often the axis is seen to turn.
+        Number of reversals that the log shows.
     machine : Machine or None
-        That the joint is of, with its other joints.
+        The machine to which the joint belongs, with its other joints.
     late_s : float
-        By how much the force was moved in time, because it acts later than it was logged [s].
+        Time by which the force was shifted: positive if it acts later than it was logged [s].
     dither : Dither
-        Windows in which the joint turns back between two counts.
+        Windows in which the joint reverses between two encoder counts.
     spikes : float
-        Share of a run's readings of the force that are spikes; 0 where they are no habit.
+        The largest share of a run's force readings that are spikes; 0 if spikes are rare.
     clipped : float
-        Share of a run's readings of the force that lie at an end of what could be read.
+        The largest share of a run's force readings at an end of the sensor's range.
     servo : Servo or None
-        Whose commands stand in the place of a force; None where a force was logged.
+        The servo whose commands were logged; None if a force was logged.
     lever_n : float
-        What amounts of 1 of a weight's sine and cosine pull with, which are a part of the law
-        where turns are too few to examine such a weight; 0 where they are none [N·m].
+        Scale of the amounts of a weight's sine and cosine, which belong to the law if there are
+        too few reversals to examine a weight as an effect; 0 if the law has no weight [N·m].
     stamps_sd_s : float
-        By how much stamps jitter about the even clock that was taken for them; 0 where they stand.
+        Rms jitter of the time stamps about the even clock that replaced them; 0 if the stamps
+        were used [s].
     """
 
     rig: Rig
@@ -124,16 +131,16 @@ class EnteredRuns(RigTrials):
 
     @cached_property
     def recorded(self) -> pd.DataFrame:
-        """All trials."""
+        """The table of all trials."""
         return self.table
 
     @property
     def asked(self) -> tuple[str, ...]:
-        """Nothing: see :meth:`at`."""
+        """No columns: an axis has no friction at a condition, see :meth:`at`."""
         return ()
 
     def at(self, conditions: pd.DataFrame, law: Coefficients) -> Unsupported:
-        """Decline: what an axis needs depends on the motion before, not on a condition."""
+        """Decline: the force of an axis depends on its earlier motion, not on a condition."""
         del conditions, law
         return Unsupported(
             "the force of an axis follows from a whole motion, not from a condition: export the "
@@ -147,14 +154,14 @@ class EnteredRuns(RigTrials):
 
     @cached_property
     def offers(self) -> frozenset[str]:
-        """What effects may need."""
+        """The names of what this recording offers to effects (see ``needs`` of an effect)."""
         offered = {*ALWAYS} | ({"angle"} if self.constants.rotary else set())
         if self.constants.gravity_m_s2 > 0:
             offered.add("acting-gravity")
         for turns, shown in TURNS.items():
             offered -= shown if self.turns < turns else set()
         offered -= self.measures.untold
-        # Of runs that are all alike a mass beside the one that is declared is an error of that.
+        # If no run differs from the others, an additional mass is an error of the declared one.
         declared = self.constants.moving_mass_kg is not None
         if self._tested.any() and not (declared and self._tested.all()):
             offered.add("test")
@@ -184,14 +191,14 @@ class EnteredRuns(RigTrials):
 
     @property
     def _load_is_known(self) -> bool:
-        """Whether somebody says the load, well enough to tell a gain of the force from a gear."""
+        """Whether the load is declared so accurately that gains of force and gear separate."""
         size = np.sqrt(np.mean((self.readings.known_held + self.readings.known_moved) ** 2))
         stated = self.constants.known_force_sd
         return stated is not None and stated < AXIS_RULES.load_known * float(size)
 
     @property
     def _carried(self) -> Carried | None:
-        """What the gear carries, where that is more than a small part of friction."""
+        """The load of the gear; None if it is small against friction."""
         carried = self.measures.carried
         if carried is None:
             return None
@@ -201,9 +208,10 @@ class EnteredRuns(RigTrials):
 
     @property
     def _loaded_one_way(self) -> bool:
-        """Whether the gear may carry a load that moves one way at each pose.
+        """Whether the gear may carry a load that moves in only one direction at each pose.
 
-        What is constant of the load is Coulomb friction there: a little that varies shows much.
+        The constant part of such a load looks like Coulomb friction. So even a small load that
+        varies indicates a large one.
         """
         carried = self.measures.carried
         if carried is None or shows_both_ways(self.readings, len(carried.loads)):
@@ -212,28 +220,37 @@ class EnteredRuns(RigTrials):
 
     @cached_property
     def _further(self) -> tuple[str, ...]:
-        """Columns of the recording's own that varied over all runs."""
+        """The user's own columns that varied between runs."""
         return () if self.source is None else varied_columns(self.source.runs)
 
     @property
     def covered_effects(self) -> frozenset[str]:
-        """Pulls towards a place, where other joints move and no model says what that does."""
+        """Effects that unmodelled forces of other joints could explain as well."""
         machine = self.machine
         coupled = machine is not None and machine.bodies is None and machine.others_move
         return PLACED if coupled and self._beside is None else frozenset()
 
     @property
     def in_simulator(self) -> Mapping[str, float]:
-        """Armature, frictionloss and damping of the machine's model; empty without one."""
+        """Armature, frictionloss and damping of the joint in the machine's model; may be empty."""
         return {} if self.machine is None else self.machine.settings
 
     @property
     def other_joints(self) -> Literal["still", "logged", "moving", "unknown"]:
-        """What the machine's other joints did: as somebody says, else by what is in the log."""
+        """The state of the machine's other joints: as declared, otherwise by the log."""
         return "unknown" if self.machine is None else self.machine.other_joints
 
     def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
-        """Return how wrong the machine's model is: nuisances behind the clocks' and the offset."""
+        """Return the errors of the machine's model, from the posterior of the nuisances.
+
+        Parameters
+        ----------
+        mean : ndarray, shape (m,)
+            Posterior mean of the nuisances: clock difference, offset if there is one, and then the
+            amounts of forces beside the law.
+        covariance : ndarray, shape (m, m)
+            Their posterior covariance.
+        """
         if self.machine is None or self.machine.bodies is None:
             return None
         before = self.machine.amounts_before()
@@ -243,14 +260,11 @@ class EnteredRuns(RigTrials):
 
     @property
     def unit(self) -> str:
-        """Newton, or newton metre where it turns."""
+        """Newton, or newton metre for a rotary joint; for some servos, over the stiffness."""
         return self.measures.unit("N")
 
     def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
-        """Return mass, Coulomb friction and, if the law has it, viscous friction, with units.
-
-        Where a simulator has the place of the law, they are its parameters.
-        """
+        """Return names and units of the law's coefficients, or of the simulator's parameters."""
         del size
         if self._beside is not None:
             return tuple((parameter.name, parameter.unit) for parameter in self._beside.parameters)
@@ -262,26 +276,30 @@ class EnteredRuns(RigTrials):
 
     @property
     def _lacks(self) -> tuple[str, ...]:
-        """Coefficients that are not in the law; all of them where a simulator has its place."""
+        """Coefficients that the law does not have: all of them if a simulator replaces the law."""
         return Coefficients._fields if self._beside is not None else self.law.without
 
     @property
     def usual_law(self) -> str:
-        """Inertia, Coulomb and viscous friction."""
+        """Name of the default law: inertia, Coulomb and viscous friction."""
         return COULOMB_VISCOUS
 
     @property
     def _offset_sd(self) -> float:
-        """Prior standard deviation of a constant force; 0 where the law has none.
+        """Prior standard deviation of a constant force; 0 if the law has none [N or N·m].
 
-        Where the axis runs one way only, the force that opposes it is friction.
+        If the axis moves in one direction only, a constant force cannot be separated from
+        friction.
         """
-        is_told = self.measures.both_ways and self._beside is None
-        return self.measures.force if is_told else 0.0
+        is_identified = self.measures.both_ways and self._beside is None
+        return self.measures.force if is_identified else 0.0
 
     @property
     def shared_numbers(self) -> Mapping[str, tuple[int, str, float]]:
-        """The offset, behind the difference of the clocks, and what a weight pulls with, last."""
+        """The nuisances that belong to the law: an offset, and the two amounts of a weight.
+
+        By name: the index among the nuisances, the unit and the scale.
+        """
         offset = {"offset": (1, self.unit, 1.0)} if self._offset_sd else {}
         last = len(offset) + self.readings.beside.shape[1]
         lever = zip(LEVER, (last - 1, last), strict=True) if self.lever_n else ()
@@ -289,24 +307,27 @@ class EnteredRuns(RigTrials):
 
     @property
     def untold(self) -> Mapping[str, str]:
-        """Inertia of a servo with few samples in a period, or of a joint that hardly swings."""
+        """Coefficients that the recording cannot determine, each with the reason."""
         too_slow = self.servo is not None and not self.servo.tells_inertia
         if self.servo is not None:
             return {"mass": self.servo.no_inertia} if too_slow else {}
         if self._moved_otherwise is not None:
             return dict.fromkeys(("mass", "coulomb", "viscous"), self._moved_otherwise.advice)
-        return {"mass": LIKE_A_PULL} if self._pulled_alike else {}
+        return {"mass": LIKE_A_PULL} if self._pull_explains_inertia else {}
 
     @cached_property
-    def _pulled_alike(self) -> bool:
-        """Whether what pulls to a place stands for the inertia too, as far as positions show."""
-        own = self.readings.acceleration_of_its_own
+    def _pull_explains_inertia(self) -> bool:
+        """Whether a force of the position explains the inertia too, given errors of positions."""
+        independent_share = self.readings.independent_acceleration_share
         pulled = self.measures.rotary and self.measures.pull > 0
-        return pulled and own < AXIS_RULES.acceleration_shows
+        return pulled and independent_share < AXIS_RULES.acceleration_shows
 
     @cached_property
     def _moved_otherwise(self) -> MovedOtherwise | None:
-        """Why the force says nothing of the joint's own friction; see :mod:`.moved_otherwise`."""
+        """Why the force contains no friction of the joint; None if it does.
+
+        See :mod:`.moved_otherwise`.
+        """
         if self.servo is not None or self._beside is not None or self._load_is_known:
             return None
         inside = self.measures.limit.within(self.readings)
@@ -314,32 +335,32 @@ class EnteredRuns(RigTrials):
 
     @property
     def scale_share(self) -> float:
-        """That of a servo's stiffness."""
+        """Relative error of the forces' scale: that of a servo's stiffness, otherwise 0."""
         return 0.0 if self.servo is None else self.servo.stiffness_sd / self.servo.stiffness
 
     @property
     def _beside(self) -> SimulatedBaseline | None:
-        """The simulator, where it has the place of the law: in a diagnosis."""
-        own = self.simulated
-        return own if own is not None and own.name == self.law.name else None
+        """The simulator, if it replaces the law (in a diagnosis); otherwise None."""
+        simulator = self.simulated
+        return simulator if simulator is not None and simulator.name == self.law.name else None
 
     @property
     def has_pulleys(self) -> bool:
-        """False."""
+        """False: an axis has no pulleys."""
         return False
 
     @property
     def along_path(self) -> bool:
-        """True."""
+        """True: the position along the path is recorded."""
         return True
 
     @property
     def _tested(self) -> Flags:
-        """Whether each trial may move more mass than the baseline has: those that show the gap.
+        """Whether each trial may carry a payload that the baseline does not have, shape (N,).
 
-        Where no run is there for the gap alone, every run without a role shows it too. A mass
-        that is fitted to them takes such a payload up; one that is held does not. What numbers
-        of a simulator take up of it is known too roughly, by differences.
+        These are the runs of role ``test``. Without such runs, they are all runs without a role,
+        unless a simulator with free parameters replaces the law: the derivatives by its
+        parameters, from finite differences, are too inexact to separate a payload from them.
         """
         role = self.table.get("role", pd.Series(None, self.table.index, dtype=object))
         tested = role == "test"

@@ -1,4 +1,4 @@
-"""Which runs of an axis enter, whole or in parts, and their rows."""
+"""Selects the runs of an axis that are used, cuts them into trials, and makes their windows."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -22,7 +22,8 @@ from bayesfric.rigs.single_axis.enough import (
     without_a_difference,
     without_force,
 )
-from bayesfric.rigs.single_axis.even_log import EvenLog, clipped, spikes
+from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.force_faults import clipped, spikes
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import Limit, within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
@@ -46,14 +47,15 @@ from bayesfric.rigs.single_axis.servo import (
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
 from bayesfric.simulators import SimulatorCalls
 
-SIZE = "axis"  # in the place of a pulley size
+SIZE = "axis"  # stands in the column of pulley sizes
 SHOWS_PLACE = 4
-"""From so many turns on what goes with the place is examined, for it is told from time."""
+"""Number of reversals from which effects of the position are examined: with fewer, they cannot be
+separated from changes in time."""
 NO_CABLE: dict[str, Any] = {"pulley_size": SIZE, "n_pulleys": 1, "wrap_angle_deg": 85.0}
 
 
 class Entering(NamedTuple):
-    """What of a log enters: fields of :class:`bayesfric.rigs.single_axis.trials.AxisRuns`."""
+    """The runs that are used: fields of :class:`bayesfric.rigs.single_axis.trials.AxisRuns`."""
 
     table: pd.DataFrame
     readings: Readings
@@ -74,7 +76,21 @@ class Entering(NamedTuple):
 
 
 class _Logs(NamedTuple):
-    """Runs on an even grid: where their parts begin, their rows in the tables, and still ones."""
+    """Runs on an even grid.
+
+    Parameters
+    ----------
+    logs : sequence of EvenLog
+        The runs in which the axis moves.
+    starts : list of ndarray of int
+        For each run, the samples at which its trials begin.
+    rows : list of dict
+        For each trial, its row of the table of trials.
+    runs : list of mapping
+        For each run, its row of ``axis_runs.csv``.
+    still : list of str
+        Runs that are too short, or in which the axis does not move.
+    """
 
     logs: Sequence[EvenLog]
     starts: list[Whole]
@@ -84,12 +100,15 @@ class _Logs(NamedTuple):
 
 
 def _interval_s(logs: Sequence[EvenLog]) -> float:
-    """Return the time between two samples of a log that is like most."""
+    """Return the median of the runs' sampling intervals [s]."""
     return float(np.median([log.interval_s for log in logs]))
 
 
 def _on_time(logs: Sequence[EvenLog], constants: RigConstants, servo: Servo | None) -> OnTime:
-    """Return logs whose force stands where it acts; a servo's log has its delay in it already."""
+    """Return logs whose force is shifted to the time at which it acts.
+
+    The delay of a servo is estimated elsewhere, so its logs are not shifted.
+    """
     if servo is not None:
         return OnTime(tuple(logs))
     margin = AXIS_RULES.early * margin_s(_interval_s(logs))
@@ -99,16 +118,16 @@ def _on_time(logs: Sequence[EvenLog], constants: RigConstants, servo: Servo | No
 def entering(
     axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
 ) -> Entering | Unsupported:
-    """Return the runs in which the axis moves, cut in parts where they are few, or why none enters.
+    """Return the runs in which the axis moves, or why none can be used.
 
     Parameters
     ----------
     axis : Axis
-        The tables.
+        The tables of the recording.
     constants : RigConstants
-        The machine.
+        The constants of the machine.
     simulator : SimulatorCalls or None
-        A user's, whose force is looked for beside the rows.
+        A user's simulator, which gives a force for each window.
     """
     servo = servo_of(axis, constants)
     constants = constants if servo is None else servo.constants
@@ -159,12 +178,12 @@ def entering(
 
 
 def _of_servo(readings: Readings, servo: Servo) -> Readings:
-    """Return rows beside which the delay and the stiffness of a servo's loop are open."""
+    """Return windows with additional columns for errors of a servo's delay and stiffness."""
     return with_open_stiffness(with_open_delay(readings, servo), servo)
 
 
 def _table_of(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Return the table of trials; where assemblies are few, each trial stands for one."""
+    """Return the table of trials; if there are few assemblies, each trial counts as one."""
     table = pd.DataFrame(rows).assign(**NO_CABLE)
     if "setup" not in table or table["setup"].nunique() < AXIS_RULES.least_setups:
         table["setup"] = table["trial"]
@@ -178,7 +197,7 @@ def _measures_of(
     limit: Limit,
     servo: Servo | None,
 ) -> Measures:
-    """Return the measures of all runs; payloads of a servo tell what it pulls."""
+    """Return the measures of all runs; for a servo, payloads are fitted with the position force."""
     measures = measures_of(readings, logs, constants, limit)
     if servo is None or not readings.beside.shape[1]:
         return measures
@@ -188,7 +207,7 @@ def _measures_of(
 def _with_carried(
     readings: Readings, table: pd.DataFrame, measures: Measures, columns: Sequence[str]
 ) -> Measures:
-    """Return measures that know what the gear carries, by columns of the runs that vary."""
+    """Return measures with the load of the gear, which may differ with columns of the runs."""
     inside = measures.limit.within(readings)
     return replace(measures, carried=carried_by(readings, inside, table, columns))
 
@@ -196,7 +215,10 @@ def _with_carried(
 def _faults_of_force(
     logs: Sequence[EvenLog], constants: RigConstants, servo: Servo | None
 ) -> tuple[float, float]:
-    """Return the spikes of a measured force, and the largest share of a log that is clipped."""
+    """Return the largest shares of a run's force readings that are spikes and that are clipped.
+
+    Spikes are counted only in measured forces. Clipping is not counted in commands.
+    """
     peaks = max(spikes(log.force) for log in logs) if constants.force_is in MEASURED else 0.0
     if constants.force_is == "commanded" or servo is not None:
         return peaks, 0.0
@@ -204,7 +226,7 @@ def _faults_of_force(
 
 
 def _by_setup(readings: Readings, table: pd.DataFrame) -> tuple[Whole, list[str]]:
-    """Return the places of runs that have windows, by assembly, and the names of the others."""
+    """Return indices of the trials that have windows, sorted by assembly, and the other names."""
     moving = np.unique(readings.trial)
     still = [str(run) for run in table["trial"][~table.index.isin(moving)]]
     return moving[np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")], still
@@ -213,7 +235,7 @@ def _by_setup(readings: Readings, table: pd.DataFrame) -> tuple[Whole, list[str]
 def _with_lever(
     readings: Readings, measures: Measures, lever_n: float
 ) -> tuple[Readings, Measures]:
-    """Return rows beside which a weight may pull, and measures that know of it."""
+    """Return windows and measures with the force of a weight on a lever, if there may be one."""
     if not lever_n:
         return readings, measures
     assert measures.carried is not None
@@ -222,16 +244,16 @@ def _with_lever(
 
 
 def _may_have_weight(machine: Machine, logs: Sequence[EvenLog]) -> bool:
-    """Return whether a weight may pull with the angle that nothing in the rows stands for."""
+    """Return whether a weight may pull on the joint that no known force accounts for."""
     has_model = machine.bodies is not None or any(log.known_force is not None for log in logs)
     weighs = machine.constants.rotary and machine.constants.gravity_m_s2 > 0
     return weighs and not has_model and not machine.others_move
 
 
 def _even_logs(axis: Axis, constants: RigConstants, machine: Machine | None) -> _Logs | Unsupported:
-    """Return the runs in which the axis moves, or why none tells anything.
+    """Return the runs in which the axis moves, or why none can be used.
 
-    What the machine's other joints pull with stands beside the logs, unless it is None.
+    Forces of the machine's other joints are added to the logs, unless `machine` is None.
     """
     parts = max(1, -(-AXIS_RULES.few_runs // len(axis.runs)))
     by_run = dict(iter(axis.samples.groupby("run", sort=False)))
@@ -258,9 +280,9 @@ def _even_logs(axis: Axis, constants: RigConstants, machine: Machine | None) -> 
 def _within_limit(
     logs: Sequence[EvenLog], starts: Sequence[Whole], constants: RigConstants, *, calm: bool
 ) -> tuple[Sequence[EvenLog], tuple[Readings, Limit] | None, Dither]:
-    """Return windows within what the drive gives, of logs without what shakes the axis.
+    """Return logs, windows and the drive's limit, with windows of dither left out if `calm`.
 
-    What shakes is looked for only where `calm` is asked for.
+    The windows are None if there is none. Dither is searched for only if `calm` is true.
     """
     resolution, clips = constants.encoder_resolution, constants.force_is not in MEASURED
     declared = constants.force_limit_n
@@ -286,9 +308,11 @@ def _beside_simulator(
     fits: Flags,
     resolution: float | None,
 ) -> tuple[SimulatedBaseline | None, Readings]:
-    """Return a user's simulator as it stands beside the windows, None without, and the windows.
+    """Return a user's simulator, linear in its parameters, and windows with its force.
 
-    It is called, or the log has what it said; `fits` are the trials that fit its parameters.
+    The simulator is called. If there is none to call, its recorded force or path is used, if the
+    log contains one; otherwise the first result is None. Its parameters are fitted to the trials
+    `fits`.
     """
     if simulator is None:
         if not readings.simulated.shape[1]:
@@ -308,6 +332,6 @@ def _beside_simulator(
 
 
 def _turns(readings: Readings, runs: pd.Series) -> int:
-    """Return how often the axis is seen to turn, within runs."""
+    """Return the number of reversals within runs."""
     run = pd.factorize(runs)[0][readings.trial]
     return int(np.sum((np.diff(readings.way) != 0) & (np.diff(run) == 0)))

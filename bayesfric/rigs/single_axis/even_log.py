@@ -1,4 +1,4 @@
-"""A run on an even grid, and what is known of its speed."""
+"""A run on an even grid of time, and its smoothed speed and direction."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,15 +13,11 @@ from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
 NORMAL = 1.4826  # from the median of absolute deviations to a standard deviation
-SLOW = 0.2  # of the top speed: speeds from which on it shall be known which way the axis runs
-FINE = 0.005  # of the top speed, to which a speed is told well
-QUICK = 3  # samples on either side of a polynomial of fourth degree, at the least
-MOST_OFF = 2.0  # intervals, by which a stamp of an even clock is off at most
-SMOOTHER = 2.0  # times, that positions are over an even clock where stamps jitter about it
-AROUND = 3  # samples on either side of a reading that may be a spike
-OFTEN_AT_END, STAYS = 10, 5  # readings at the end of a range, and of these in a row
-BESIDE_END, PILED_UP = 5, 5  # steps of readings below that end, and times as many at it
-SPIKE = (5.0, 4.0)  # times the spread about it, and times that of the run, by which it is off
+SLOW = 0.2  # share of the top speed from which the direction of the axis must be resolved
+FINE = 0.005  # error of a speed that is small enough, relative to the top speed
+QUICK = 3  # least samples on either side of a polynomial of fourth degree
+MOST_OFF = 2.0  # largest deviation of a time stamp from an even clock [intervals]
+SMOOTHER = 2.0  # factor by which positions must be smoother on the even clock than on the stamps
 
 
 @dataclass(frozen=True)
@@ -31,37 +27,41 @@ class EvenLog:
     Parameters
     ----------
     time_s, position, force : ndarray, shape (N,)
-        The log.
+        The log [s], [m or rad], [N or N·m].
     is_known : ndarray of bool, shape (N,)
-        False in gaps.
+        False in gaps, and where the force is clipped.
     interval_s : float
-        Between samples.
+        Time between samples [s].
     further : dict of str to ndarray, shape (N,)
         Further columns of the log.
     forces : tuple of WeakForce
-        What a simulator says of the force: what it needs, and more by each parameter.
+        The force that a simulator needs for the measured motion, and then its derivative by each
+        parameter of the simulator. Empty without a simulator.
     known_force : WeakForce or None
-        What is known of the drive force, by a model of the machine.
+        The part of the drive force that a model of the machine explains.
     beside : tuple of WeakForce
-        Forces that may be there in unknown amounts, each with a prior N(0, 1): the errors of
-        that model, or the pull of other joints.
+        Forces with unknown amounts, whose priors are N(0, 1): errors of that model, or forces of
+        other joints. Each is given for an amount of 1.
     known_inertia : float
-        What the model moves, whose acceleration an error of the position makes [kg, or kg·m²].
+        Inertia in the known force of the model. Errors of the position enter its acceleration
+        [kg, or kg·m²].
     known_to_a_share : bool
-        Whether the first of `beside` is the share by which the known force may be wrong.
+        Whether the first of `beside` is a relative error of the known force.
     dithers : ndarray of bool, shape (N,), or None
-        Where it turns back between two counts; None where nobody looked.
+        Samples at which the axis reverses between two encoder counts; None if this was not
+        tested.
     sent : WeakForce or None
-        Of a log of commands, the force that a servo's stiffness makes of them: `force` is its
-        value less what the stiffness makes of the position. None where a force was logged.
+        For a log of commands: the servo's stiffness times the command. `force` is then its value
+        minus the stiffness times the position. None if a force was logged.
     stiffness : float
-        Of that servo, by which an error of the position is one of the force; 0 where a force was
-        logged.
+        Stiffness of that servo, which converts an error of the position to one of the force; 0 if
+        a force was logged [N/m or N·m/rad].
     moment : ndarray, shape (N,), or None
-        Of a force that acts as it is until the next: that of an interval about its middle, over
-        the interval; None of one that does not.
+        For a force that is held from one sample to the next: its first moment in time about the
+        middle of the sampling interval, divided by the interval. None for other forces.
     stamps_sd_s : float
-        By how much stamps were off from the even clock that was taken for them; 0 where they stand.
+        Rms deviation of the time stamps from the even clock that replaced them; 0 if the stamps
+        were used [s].
     """
 
     time_s: Array
@@ -83,7 +83,7 @@ class EvenLog:
 
     @property
     def delayed(self) -> "EvenLog":
-        """The run with what a delay acts on in the place of the force: of a servo, its command."""
+        """The run with the delayed signal as its force: for a servo, that of its command."""
         return self if self.sent is None else replace(self, force=self.sent.value)
 
 
@@ -94,23 +94,23 @@ def even_grid(
     force_time_s: Array | None = None,
     steps: bool = False,
 ) -> EvenLog | None:
-    """Put a log on an even grid; None where it is too short.
+    """Interpolate a log to an even grid of time; None if it is too short.
 
-    What is measured goes on in a straight line from sample to sample. A command acts as it is
-    until the next: its mean over the interval about each place of the grid stands there, so that
-    an integral over many of them is that of its steps.
+    Measured values are interpolated linearly. A command is held until the next one. Its value on
+    the grid is therefore its mean over the sampling interval around each point, which preserves
+    its integral over time.
 
     Parameters
     ----------
     time_s : ndarray, shape (N,)
-        Increasing [s].
+        Increasing times [s].
     columns : dict of str to ndarray, shape (N,)
-        ``position``, ``force`` and what else there is.
-    force_time_s : ndarray, shape (N,), or None
-        The force's own clock, increasing, of as many readings as it has; None where it is that
-        of the rest [s].
+        ``position``, ``force`` and further columns.
+    force_time_s : ndarray, or None
+        Increasing times of the force readings, if they have their own clock; it has as many
+        values as ``force`` [s].
     steps : bool
-        Whether ``force`` acts as it is until the next, as a command does.
+        Whether each value of ``force`` is held until the next, as a command is.
     """
     if time_s.size < AXIS_RULES.least_samples:
         return None
@@ -118,7 +118,7 @@ def even_grid(
     between = np.diff(time_s)
     interval = float(np.median(between))
     is_logged = np.ones(time_s.size, dtype=np.bool_)
-    own = time_s if force_time_s is None else force_time_s
+    force_clock = time_s if force_time_s is None else force_time_s
     force = columns["force"]
     columns = {name: values for name, values in columns.items() if name != "force"}
     if np.abs(between - interval).max() > AXIS_RULES.uneven * interval:
@@ -131,9 +131,9 @@ def even_grid(
         grid, on_grid = time_s, dict(columns)
     moment = None
     if steps:
-        force, moment = _steps_of(grid, interval, own, force)
+        force, moment = _steps_of(grid, interval, force_clock, force)
     elif force_time_s is not None or grid is not time_s:
-        force = np.interp(grid, own, force)
+        force = np.interp(grid, force_clock, force)
     position = on_grid.pop("position")
     return EvenLog(
         grid, position, force, is_logged, interval, on_grid, moment=moment, stamps_sd_s=stamps_sd
@@ -141,29 +141,36 @@ def even_grid(
 
 
 def even_clock(time_s: Array, position: Array) -> tuple[Array, float]:
-    """Return an even clock where stamps jitter about it, and their rms from it; else the stamps.
+    """Replace time stamps by an even clock if they jitter about it.
 
-    A host that stamps readings as they arrive is now early, now late; the readings were taken
-    evenly. Positions are then smoother over the even clock than over the stamps.
+    A host that stamps readings on arrival stamps them too early or too late, although they were
+    taken evenly. Positions are then smoother on the even clock than on the stamps.
 
     Parameters
     ----------
     time_s, position : ndarray, shape (N,)
-        The stamps, increasing [s], and what was read.
+        The time stamps, increasing [s], and the positions.
+
+    Returns
+    -------
+    time_s : ndarray, shape (N,)
+        The even clock, or the stamps if they do not jitter [s].
+    stamps_sd_s : float
+        Rms deviation of the stamps from the even clock; 0 if the stamps are returned [s].
     """
     number = np.arange(time_s.size, dtype=np.float64)
     even = np.polynomial.Polynomial.fit(number, time_s, 1)(number)
     off, interval = time_s - even, float(even[1] - even[0])
     size = float(np.sqrt(np.mean(off**2)))
     jitters = size > AXIS_RULES.uneven * interval and np.abs(off).max() < MOST_OFF * interval
-    jitters &= bool(np.ptp(position) > 0)  # what stands still is smooth over any clock
+    jitters &= bool(np.ptp(position) > 0)  # a constant position is smooth on any clock
     if not jitters or _roughness(even, position) * SMOOTHER > _roughness(time_s, position):
         return time_s, 0.0
     return np.asarray(even), size
 
 
 def _roughness(time_s: Array, position: Array) -> float:
-    """Return the rms of readings less the cubics through two neighbours on either side."""
+    """Return the rms deviation of readings from the cubic through two neighbours on each side."""
     times, values = (sliding_window_view(x, 5) for x in (time_s, position))
     around = [0, 1, 3, 4]
     cubic = np.zeros(len(times))
@@ -177,9 +184,10 @@ def _roughness(time_s: Array, position: Array) -> float:
 
 
 def _steps_of(grid: Array, interval: float, time_s: Array, sent: Array) -> tuple[Array, Array]:
-    """Return the mean of what is held over an interval about each place of a grid, and its moment.
+    """Return the mean of a held signal over the interval around each point of a grid, and moment.
 
-    The moment is that about the place, over the interval; both of shape (G,).
+    The moment is the first moment in time about the point, divided by the interval. Both results
+    have shape (G,).
     """
     edges = np.concatenate([[time_s[0] - interval], time_s, [time_s[-1] + interval]])
     lasts = np.concatenate([sent[:1], sent])
@@ -188,7 +196,7 @@ def _steps_of(grid: Array, interval: float, time_s: Array, sent: Array) -> tuple
     twice = np.concatenate([[0.0], np.cumsum((sums[:-1] + 0.5 * lasts * lengths) * lengths)])
 
     def until(time: Array) -> tuple[Array, Array]:
-        """Return the integral until some times, and the integral of that."""
+        """Return the integral of the signal up to some times, and the integral of this integral."""
         beyond = time.clip(edges[0], edges[-1])
         at = (np.searchsorted(edges, beyond, side="right") - 1).clip(0, lasts.size - 1)
         since = beyond - edges[at]
@@ -201,74 +209,27 @@ def _steps_of(grid: Array, interval: float, time_s: Array, sent: Array) -> tuple
     return (high - low) / interval, moment / interval
 
 
-def spikes(force: Array) -> float:
-    """Return the share of a run's readings that are spikes; 0 where they are single ones.
-
-    A spike is far from the median of the few readings about it, by their own spread and by that
-    of the whole run: a step, and a force that goes to and fro, are none.
-
-    Parameters
-    ----------
-    force : ndarray, shape (N,)
-        As it was logged.
-    """
-    if force.size <= 2 * AROUND:
-        return 0.0
-    about = sliding_window_view(np.pad(force, AROUND, mode="edge"), 2 * AROUND + 1)
-    middle = np.median(about, axis=1)
-    spread = NORMAL * np.median(np.abs(about - middle[:, None]), axis=1)
-    off = np.abs(force - middle)
-    usual = NORMAL * float(np.median(off))
-    share = float(np.mean((off > SPIKE[0] * spread) & (off > SPIKE[1] * usual)))
-    return share if usual > 0 and share > AXIS_RULES.often_spiked else 0.0
-
-
-def clipped(force: Array) -> Flags:
-    """Return which readings lie at an end of what could be read, (N,); none where few do.
-
-    A sensor, or what wrote the log, cuts off what is beyond its range: its largest reading comes
-    again and again, and those just below it do not. What acted meanwhile nobody knows.
-
-    Parameters
-    ----------
-    force : ndarray, shape (N,)
-        As it was read.
-    """
-    at_ends = np.zeros(force.size, dtype=np.bool_)
-    steps = np.diff(np.unique(force))
-    if not steps.size:
-        return at_ends
-    for sign in (1.0, -1.0):
-        top = float((sign * force).max())
-        there = sign * force == top
-        below = (sign * force < top) & (sign * force >= top - BESIDE_END * float(steps.min()))
-        lengths = np.diff(np.flatnonzero(np.diff(np.pad(there, 1).astype(np.int8))))[::2]
-        often = there.sum() > max(OFTEN_AT_END, PILED_UP * below.sum() / BESIDE_END)
-        if top > 0 and often and there.mean() > AXIS_RULES.often_spiked and lengths.max() >= STAYS:
-            at_ends |= there
-    return at_ends
-
-
 def given(log: EvenLog, limit: float) -> EvenLog:
-    """Return a run with the force that a drive gives which clips at a limit."""
+    """Return a run whose force is clipped at the limit of its drive."""
     return replace(log, force=np.clip(log.force, -limit, limit))
 
 
 def local_polynomial(values: Array, half: int, degree: int, *, slope: bool = False) -> Array:
-    """Return the polynomial through `half` values on either side of each, at it, (N,).
+    """Smooth values by a local polynomial (a Savitzky-Golay filter), shape (N,).
 
-    Near an end it is that through the values at the end. This is
-    :func:`scipy.signal.savgol_filter`, whose fits at the ends are made anew in each call: most
-    of its time where runs are short.
+    At each value, the polynomial is fitted to `half` values on either side. Near an end, the
+    polynomial of the 2 `half` + 1 outermost values is used. The result is that of
+    :func:`scipy.signal.savgol_filter`, which is slower on short runs because each call repeats
+    the fits at the ends.
 
     Parameters
     ----------
     values : ndarray, shape (N,)
-        At even steps; at least 2 `half` + 1 of them.
+        Values at even steps, at least 2 `half` + 1.
     half, degree : int
-        Of the polynomial.
+        Values on either side of the middle, and degree of the polynomial.
     slope : bool
-        Whether its slope a step is asked for.
+        Whether to return the slope of the polynomial per step, instead of its value.
 
     References
     ----------
@@ -284,7 +245,7 @@ def local_polynomial(values: Array, half: int, degree: int, *, slope: bool = Fal
 
 @lru_cache(maxsize=64)
 def _polynomials(half: int, degree: int, slope: bool) -> Array:
-    """Return what values tell of a polynomial through them, at each, (2 half + 1,) twice."""
+    """Return the matrix from values to a fitted polynomial or its slope, (2 half + 1,) twice."""
     place = np.linspace(-1, 1, 2 * half + 1)
     powers = np.vander(place, degree + 1, increasing=True)
     of_values = np.linalg.pinv(powers)
@@ -295,20 +256,20 @@ def _polynomials(half: int, degree: int, slope: bool) -> Array:
 
 
 def sample_noise(values: Array) -> float:
-    """Return the standard deviation of an error that each sample has of its own.
+    """Return the standard deviation of the samples' independent errors.
 
-    It is that of what a parabola over seven samples leaves.
+    It is estimated from the residuals of local parabolas over seven samples.
     """
-    left = np.abs(values - local_polynomial(values, 3, 2))[3:-3]
-    # A parabola through seven samples takes up a third of the variance at its middle.
-    return float(NORMAL * np.median(left) / np.sqrt(1 - 1 / 3))
+    residual = np.abs(values - local_polynomial(values, 3, 2))[3:-3]
+    # A parabola through seven samples removes a third of the error variance at its middle.
+    return float(NORMAL * np.median(residual) / np.sqrt(1 - 1 / 3))
 
 
 def position_noise(log: EvenLog, resolution: float | None) -> float:
-    """Return the standard deviation of a position's error.
+    """Return the standard deviation of a position's error [m or rad].
 
-    At least that of rounding to the encoder's resolution, or to the least step that the log has
-    where nobody says.
+    It is at least that of rounding to the encoder's resolution. If the resolution is not declared,
+    it is that of the smallest steps of the log.
     """
     noise = sample_noise(log.position)
     if resolution is None:
@@ -319,9 +280,9 @@ def position_noise(log: EvenLog, resolution: float | None) -> float:
 
 
 def resolving(log: EvenLog, half: int, noise: float) -> int:
-    """Return samples on either side, `half` at least, over which the axis' speed is resolved.
+    """Return a half-width in samples, at least `half`, over which slow motion is resolved.
 
-    Over a few samples of a coarse encoder nothing seems to move.
+    Over a few samples of a coarse encoder, a slow axis seems to stand still.
     """
     while 8 * half < log.time_s.size:
         if (
@@ -341,48 +302,51 @@ def _speed_error(log: EvenLog, half: int, noise: float) -> float:
 def smooth_motion(
     log: EvenLog, half: int, noise: float, *, quick: bool = False
 ) -> tuple[Array, Array, Array]:
-    """Return position, speed, and where it is known which way the axis runs.
+    """Return smoothed position, speed and direction of a run.
 
-    Parabolas go through no more samples than tell the speed well: over many of them a stop, or
-    a slip, is none. A wide one counts only where narrower ones do not contradict it.
+    Parabolas are fitted to as few samples as give a precise speed, because wide parabolas smooth
+    over a stop or a slip. The direction by a wide parabola counts only if no narrower one
+    contradicts it.
 
     Parameters
     ----------
     log : EvenLog
         A run.
     half : int
-        Samples on either side that a parabola goes through, at the most.
+        Largest number of samples on either side of a parabola.
     noise : float
-        Standard deviation of a position's error.
+        Standard deviation of a position's error [m or rad].
     quick : bool
-        Whether the axis turns within few samples, over which a parabola's speed is too low: it
-        is then that of a polynomial of fourth degree.
+        Whether the axis reverses within few samples. A parabola would then underestimate the
+        speed, and a polynomial of fourth degree is used.
 
     Returns
     -------
     position, velocity : ndarray, shape (N,)
+        [m or rad], [m/s or rad/s].
     way : ndarray, shape (N,)
-        1, −1, or 0 where it is not known that the axis runs.
+        Direction: 1 or −1; 0 where the axis may stand still, or where the log is not known.
     """
     widths = [*(2**power for power in range((half - 1).bit_length())), half]
     way = np.zeros(log.position.size)
     for count in range(1, len(widths) + 1):
         way = np.where(way == 0, _surely(log, widths[:count], noise), way)
-    well = FINE * np.abs(_speed(log, half)).max()
-    fine = next((width for width in widths if _speed_error(log, width, noise) < well), half)
+    tolerance = FINE * np.abs(_speed(log, half)).max()
+    narrow = next((width for width in widths if _speed_error(log, width, noise) < tolerance), half)
     if quick:
-        fine = max(fine, QUICK)
+        narrow = max(narrow, QUICK)
     degree = 4 if quick else 2
-    position = local_polynomial(log.position, fine, degree)
-    return position, _speed(log, fine, degree), np.where(log.is_known, way, 0.0)
+    position = local_polynomial(log.position, narrow, degree)
+    return position, _speed(log, narrow, degree), np.where(log.is_known, way, 0.0)
 
 
 def _surely(log: EvenLog, widths: Sequence[int], noise: float) -> Array:
-    """Return which way the axis runs, by parabolas of the last of some widths, (N,).
+    """Return the direction of the axis by parabolas of the last of some widths, (N,).
 
-    It runs at a sample where it does at all through which the parabola goes: one that goes over
-    a stop moves for as many samples as it reaches, while friction is anything. If a narrower
-    parabola has another speed by more than its error, the wider one went over a stop or a turn.
+    A sample has a direction only if all samples within the parabola's width have it. Otherwise
+    samples of a stop would seem to move, although friction at a stop can have any value. If the
+    speed of a narrower parabola differs by more than its error, the wider parabola smooths over a
+    stop or a reversal, and the sample has no direction.
     """
     half = widths[-1]
     velocity, error = _speed(log, half), _speed_error(log, half, noise)
@@ -395,5 +359,5 @@ def _surely(log: EvenLog, widths: Sequence[int], noise: float) -> Array:
 
 
 def _speed(log: EvenLog, half: int, degree: int = 2) -> Array:
-    """Return the slope at the middle of a polynomial through `half` samples either side, (N,)."""
+    """Return the speed by local polynomials through `half` samples on either side, (N,)."""
     return local_polynomial(log.position, half, degree, slope=True) / log.interval_s

@@ -1,12 +1,14 @@
-"""How a load behind the drive follows it along a log, in the weak form of the rows.
+"""The motion of a load behind the drive along a log, in the weak form of the windows.
 
-The drive's path is measured. A load behind play, or on a spring, is followed along it step by step
-(:mod:`bayesfric.physics.loads`), for a few shares of mass and friction behind and a grid of
-lengths. With d its place ahead of the drive and s the sense in which it rubs, a row has
+The drive's path is measured. The motion of a load behind play, or on a spring, is simulated step by
+step along this path (:mod:`bayesfric.physics.loads`), for a few ratios of the load's mass to its
+friction and a grid of lengths. Let d be the load's distance ahead of the drive, along its motion,
+and s the friction that opposes this motion, relative to the load's friction in motion (−1 to 1).
+The force of a window then exceeds that with a rigidly fixed load by
 
-    m_load ∫ φ'' d dt + C_load (∫ φ s dt − 1)
+    m_load ∫ φ'' d dt + C_load (∫ φ s dt − 1).
 
-more than if the load were fixed to the drive: no derivative is taken here either.
+No derivative of the path is taken.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,49 +25,49 @@ from bayesfric.physics.loads import behind
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 
 LENGTHS = {"play": np.geomspace(4e-4, 0.1, 31), "spring": np.geomspace(6e-5, 0.02, 33)}
-"""Of the stroke: a fifth more from one to the next."""
+"""Lengths that are tried, relative to the stroke: each is a fifth longer than the previous one."""
 DAMPINGS = (0.02, 0.035, 0.06, 0.1, 0.18)
-"""Of a spring, over what is critical: steel, gears and belts."""
+"""Damping ratios of a spring that are tried: steel, gears and belts."""
 OWN = np.geomspace(0.18, 9.0, 16)
-"""Shares of the mass over those of the friction, of a load on a spring, that are tried."""
+"""Ratios of mass share to friction share that are tried for a load on a spring."""
 NEAR = np.geomspace(0.12, 1.6, 9)
-"""Lengths that are tried with each, over the best of a load whose shares are tied."""
+"""Lengths that are tried with each ratio, relative to the best length at the ratios HEAVY."""
 REFINED = {
     "shares": np.geomspace(0.7, 1.4, 7),
     "length": np.geomspace(0.92, 1.09, 7),
     "damping": np.geomspace(0.75, 1.33, 5),
 }
-"""Numbers of such a load that are tried once more, over the best."""
+"""A finer grid around the best load on a spring, relative to its values."""
 TRIED = {
     "play": LENGTHS["play"].size,
     "spring": LENGTHS["spring"].size * len(DAMPINGS)
     + OWN.size * NEAR.size
     + int(np.prod([values.size for values in REFINED.values()])),
 }
-"""Of how a load is held, forms that were tried."""
-AT_ONCE = 4_000_000  # numbers of all loads along the paths that are followed together
-LONG = 20_000  # samples of a path, beyond which it is followed in parts
+"""How many loads are tried behind play, and on a spring."""
+AT_ONCE = 4_000_000  # largest number of values (loads × samples) that are simulated together
+LONG = 20_000  # samples of a path beyond which it is simulated in parts
 PART = 3_000  # samples of such a part
-LEAD = 1_500  # samples before it, from which on it is followed
-HEAVY = (0.5, 1.0, np.inf)  # mass over friction of a load, relative to that of the axis
+LEAD = 1_500  # samples before a part from which its simulation starts
+HEAVY = (0.5, 1.0, np.inf)  # ratio of a load's share of the mass to its share of the friction
 
 
 @dataclass(frozen=True)
 class DrivePath:
-    """The path of a run, and the windows in it.
+    """The path of the drive in a run, and the windows of the run.
 
     Parameters
     ----------
     position : ndarray, shape (N,)
-        Of the drive, smooth [m or rad].
+        Smoothed position of the drive [m or rad].
     interval_s : float
-        Between samples.
+        Time between samples [s].
     test : TestFunction
-        Of the windows.
+        Test function of the windows.
     centres : ndarray of int, shape (W,)
-        Their middles.
+        Middle sample of each window.
     way : ndarray, shape (W,)
-        1 or −1.
+        Direction of the motion, 1 or −1.
     """
 
     position: Array
@@ -75,9 +77,10 @@ class DrivePath:
     way: Array
 
     def parts(self) -> Iterator["DrivePath"]:
-        """Yield a long path in parts that are followed side by side, each from some way before.
+        """Yield a long path in parts, which can be simulated side by side.
 
-        A load forgets where it was: at a reversal it is caught again, and what rings dies out.
+        Each part begins :data:`LEAD` samples before its first window. By then the load has
+        forgotten its start: a reversal closes the play, and oscillations decay.
         """
         if self.position.size <= LONG:
             yield self
@@ -97,7 +100,13 @@ class DrivePath:
             )
 
     def rows(self, ahead: Array, rubs: Array) -> Array:
-        """Return ∫ φ'' d dt and ∫ φ s dt − 1 in the way's sense, shape (2, W, K)."""
+        """Return ∫ φ'' d dt and ∫ φ s dt − 1 along the motion, shape (2, W, K).
+
+        Parameters
+        ----------
+        ahead, rubs : ndarray, shape (N, K)
+            d and s of K loads.
+        """
         first, way = self.centres - self.test.half, self.way[:, None]
         width = 2 * self.test.half + 1
         late = sliding_window_view(ahead, width, axis=0)[first] @ self.test.curvature
@@ -105,60 +114,67 @@ class DrivePath:
         return np.stack([way * late, way * rubbed - 1])
 
 
-class Followed:
-    """Loads behind the drive of some runs, each followed once.
+class LoadMotions:
+    """Simulated motions of loads behind the drive along the paths of runs; they are cached.
 
     Parameters
     ----------
     paths : sequence of DrivePath
-        Of the runs.
+        The paths of the runs.
     """
 
     def __init__(self, paths: Sequence[DrivePath]) -> None:
         self._paths = tuple(part for path in paths for part in path.parts())
         self._kept: dict[tuple[object, ...], dict[float, Array]] = {}
 
-    def thinned(self, most: int) -> tuple["Followed", Whole]:
-        """Return paths of about as many samples at most, evenly among all, and their windows.
+    def thinned(self, most: int) -> tuple["LoadMotions", Whole]:
+        """Return motions along evenly chosen paths with about `most` samples in total.
 
         Parameters
         ----------
         most : int
-            Samples.
+            Number of samples.
 
         Returns
         -------
-        followed : Followed
-            Along these paths.
+        motions : LoadMotions
+            Motions along the chosen paths.
         rows : ndarray of int, shape (V,)
-            Their windows among all windows, ascending.
+            Indices of their windows among all windows, ascending.
         """
         samples = sum(path.position.size for path in self._paths)
         every = max(1, -(-samples // most))
         ends = np.cumsum([0, *(path.centres.size for path in self._paths)])
         chosen = range(0, len(self._paths), every)
         rows = np.concatenate([np.arange(ends[place], ends[place + 1]) for place in chosen])
-        return self if every == 1 else Followed(self._paths[::every]), rows
+        return self if every == 1 else LoadMotions(self._paths[::every]), rows
 
     def load(self, rows: Whole, slows: float, lengths: Mapping[str, Array], damping: float) -> Load:
-        """Return how a load moves in some rows.
+        """Return a function that gives the motion of a load in some windows.
 
         Parameters
         ----------
         rows : ndarray of int, shape (W,)
-            Among all windows of the paths.
+            Indices among all windows of the paths.
         slows : float
-            Friction of the axis over its mass [m/s²].
+            Friction of the axis over its mass [m/s² or rad/s²].
         lengths : mapping of str to ndarray
-            Of how it is held, those at which it is followed, ascending [m].
+            For ``play`` and ``spring``: the lengths at which a load is simulated, ascending
+            [m or rad]. Between them the result is interpolated.
         damping : float
-            Of a spring.
+            Damping ratio of a spring.
+
+        Returns
+        -------
+        callable
+            Of ``play`` or ``spring``, the ratio of mass share to friction share, and the length,
+            to ∫ φ'' d dt and ∫ φ s dt − 1, shape (W, 1) each.
         """
 
         def load(held: str, heavy: float, length: ArrayLike) -> tuple[Array, Array]:
             tried: Array = lengths[held]
             shares: tuple[float, ...] = HEAVY
-            if heavy not in HEAVY:  # of its own shares, whose lengths go with them
+            if heavy not in HEAVY:  # the tabulated lengths of another ratio are divided by it
                 tried, shares = tried / heavy, (heavy,)
             at = np.interp(float(np.asarray(length)), tried, np.arange(tried.size))
             low = min(int(at), tried.size - 2)
@@ -171,30 +187,31 @@ class Followed:
     def _tabulated(
         self, held: str, slows: float, lengths: Array, damping: float, shares: tuple[float, ...]
     ) -> dict[float, Array]:
-        """Return rows by how heavy the load is, (2, W, K)."""
+        """Return the terms of :meth:`side_by_side` at K lengths for each ratio, (2, W, K)."""
         key = (held, slows, lengths.tobytes(), damping if held == "spring" else 0.0, shares)
         if key not in self._kept:
             heavy, tried = np.repeat(shares, lengths.size), np.tile(lengths, len(shares))
-            whole = self.side_by_side(held, slows, heavy, tried, damping)
-            parts = np.split(whole, len(shares), axis=2)
+            terms = self.side_by_side(held, slows, heavy, tried, damping)
+            parts = np.split(terms, len(shares), axis=2)
             self._kept[key] = dict(zip(shares, parts, strict=True))
         return self._kept[key]
 
     def side_by_side(
         self, held: str, slows: float, heavy: Array, lengths: Array, damping: ArrayLike
     ) -> Array:
-        """Return how K loads move in all rows, side by side, shape (2, W, K).
+        """Return ∫ φ'' d dt and ∫ φ s dt − 1 of K loads in all windows, shape (2, W, K).
 
         Parameters
         ----------
         held : str
-            In ``play``, or on a ``spring``.
+            ``play`` or ``spring``.
         slows : float
-            Friction of the axis over its mass [m/s²].
+            Friction of the axis over its mass [m/s² or rad/s²].
         heavy, lengths : ndarray, shape (K,)
-            Of each load its share of the mass over that of the friction, and its length [m].
+            For each load: the ratio of its share of the mass to its share of the friction, and
+            the length of its play or wind-up [m or rad].
         damping : float or ndarray, shape (K,)
-            Of a spring.
+            Damping ratio of a spring.
         """
         rows = []
         for together in _batches(self._paths, heavy.size):
@@ -206,7 +223,11 @@ class Followed:
 
 
 def _batches(paths: Sequence[DrivePath], loads: int) -> Iterator[list[DrivePath]]:
-    """Yield paths that are followed together, in their order: a step of many costs as one's."""
+    """Yield batches of paths, in their order.
+
+    The paths of a batch are simulated together, since a step of many paths takes as long as a step
+    of one.
+    """
     batch: list[DrivePath] = []
     longest = 0
     for path in paths:
@@ -219,7 +240,7 @@ def _batches(paths: Sequence[DrivePath], loads: int) -> Iterator[list[DrivePath]
 
 
 def _side_by_side(paths: Sequence[DrivePath]) -> tuple[Array, Array]:
-    """Return positions (N, R), of which shorter ones rest at their ends, and intervals (R,)."""
+    """Return positions (N, R) and intervals (R,) of R paths; shorter paths rest at their ends."""
     longest = max(path.position.size for path in paths)
     padded = [
         np.pad(path.position, (0, longest - path.position.size), mode="edge") for path in paths

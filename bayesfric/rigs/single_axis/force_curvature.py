@@ -25,11 +25,11 @@ def force_curvature(
     log : EvenLog
         A run.
     test : TestFunction
-        Of the windows.
+        Test function of the windows.
     centres : ndarray of int, shape (W,)
-        Their middles.
+        Middle sample of each window.
     runs : ndarray, shape (N + 1,)
-        Sum of the ways before each sample.
+        Sum of the directions (1, −1, or 0 if unknown) of all samples before each sample.
     """
     half, count = test.half, log.time_s.size
     wide = BESIDE * half
@@ -50,7 +50,7 @@ def _beside(half: int, wide: int, interval_s: float) -> Array:
     weight = np.where(np.abs(place) > half, (1 - (place / (wide + 1)) ** 2), 0.0)
     time2 = (place / wide) ** 2
     powers = np.stack([time2**power for power in range(3)])
-    # No sum and no fourth moment, and 2 of t²: what changes over the window is no curvature.
+    # The weights give 0 for a constant and for t⁴, and the second derivative of t².
     numbers = np.linalg.solve(
         (powers * weight) @ powers.T, [0.0, 2 / (wide * interval_s) ** 2, 0.0]
     )

@@ -30,46 +30,45 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 
-BEFORE = 2  # windows, whose motion tells that of the present one
-MOVED = 2  # regressors that are the motion's: acceleration and speed
-ALIKE = 1e-4  # of a column, that those before it leave, below which it is one of them
+BEFORE = 2  # preceding windows whose motion is an instrument
+MOVED = 2  # regressors with errors of the motion: acceleration and speed
+ALIKE = 1e-4  # relative residual of a column below which earlier columns determine it
 UNITS = {"inertia": "kg", "viscous": "N s/m", "coulomb": "N"}
-NAMES = tuple(UNITS)  # of the first columns
+NAMES = tuple(UNITS)  # names of the first columns
 
 
 class Estimate(NamedTuple):
-    """A number with its standard error."""
+    """An estimate with its standard error."""
 
     value: float
     error: float
 
     def over(self, ratio: float) -> "Estimate":
-        """Return the number over a ratio, with its error."""
+        """Return the estimate divided by a ratio."""
         return Estimate(self.value / ratio, self.error / abs(ratio))
 
 
 class Compared(NamedTuple):
-    """Least squares with instruments and without.
+    """Estimates by least squares with and without instruments.
 
     Parameters
     ----------
     kind : str
-        ``"reference"`` or ``"earlier motion"``.
+        Kind of instruments, ``"reference"`` or ``"earlier motion"``.
     statistic, p_value : float
-        Of Durbin, Wu and Hausman.
+        Statistic and p-value of the Durbin-Wu-Hausman test.
     strength : float
-        The smaller F statistic of the instruments, for acceleration beside speed and for speed
-        beside acceleration.
+        The smaller of the conditional F statistics of the instruments for acceleration and speed.
     instrumental, ordinary : dict of str to Estimate
-        Inertia, viscous and Coulomb friction.
+        Inertia, viscous and Coulomb friction, with and without instruments.
     rows : int
-        That both are of.
+        Number of windows of both estimates.
     effects : dict of str to (Estimate, Estimate)
-        Amplitudes of effects that act, with instruments and without; of those alone that are a
-        number of the law, or that the columns before them do not make.
+        Amplitudes of acting effects, with and without instruments. Effects whose columns earlier
+        columns determine are left out, unless they are proportional to a column of the law.
     agreement : float
-        p-value that instruments contradict each other by chance alone; 1 where there are no more
-        of them than regressors.
+        p-value of the test that the instruments agree with each other; 1 if there are no more
+        instruments than regressors.
     """
 
     kind: Literal["reference", "earlier motion"]
@@ -84,7 +83,7 @@ class Compared(NamedTuple):
 
     @property
     def alarms(self) -> bool:
-        """Whether least squares are off by more than chance, and by what matters."""
+        """Whether the bias of least squares is significant and large enough to matter."""
         if (
             self.p_value >= AXIS_RULES.instrument_differs
             or self.strength < AXIS_RULES.weak_instrument
@@ -98,7 +97,15 @@ class Compared(NamedTuple):
         )
 
     def stored(self, unit: Callable[[str], str], units: Mapping[str, str]) -> Instrument:
-        """Return it as it is stored, its numbers in the axis' own units, `units` of effects."""
+        """Return the comparison in the form of a result.
+
+        Parameters
+        ----------
+        unit : callable
+            Converts the unit of a coefficient to that of this axis.
+        units : mapping of str to str
+            Units of the effects' amplitudes.
+        """
         numbers = {
             name: _stored(unit(UNITS[name]), self.instrumental[name], number)
             for name, number in self.ordinary.items()
@@ -121,9 +128,9 @@ class Compared(NamedTuple):
 
 
 def _is_off(ordinary: Estimate, instrumental: Estimate) -> bool:
-    """Return whether two estimates of a number differ by what matters, and by more than chance.
+    """Return whether the difference of two estimates is significant and large enough to matter.
 
-    The variance of their difference is that of their variances (Hausman, 1978).
+    The variance of their difference is the difference of their variances (Hausman, 1978).
     """
     apart = abs(instrumental.value - ordinary.value)
     chance = np.sqrt(max(instrumental.error**2 - ordinary.error**2, 0.0))
@@ -142,22 +149,22 @@ def _stored(unit: str, instrumental: Estimate, ordinary: Estimate) -> Instrument
 
 
 def instruments_of(log: EvenLog, test: TestFunction, centres: NDArray[np.intp]) -> Array:
-    """Return instruments for windows, nan where the log does not reach back so far.
+    """Return the instruments of windows.
 
     Parameters
     ----------
     log : EvenLog
         A run.
     test : TestFunction
-        Of the windows.
+        Test function of the windows.
     centres : ndarray of int, shape (W,)
-        Their middles.
+        Middle sample of each window.
 
     Returns
     -------
     ndarray, shape (W, 4)
-        Acceleration and speed of the reference and nothing more, or of the motion in two
-        windows before.
+        Acceleration and speed of the reference path and two columns of NaN; without a reference,
+        acceleration and speed in the two preceding windows, NaN if the log begins later.
     """
     reference = log.further.get("reference")
     instruments = np.full((centres.size, 2 * BEFORE), np.nan)
@@ -174,22 +181,22 @@ def instruments_of(log: EvenLog, test: TestFunction, centres: NDArray[np.intp]) 
 
 
 def without_clock(nuisances: Array, acting: Mapping[str, Array]) -> Array:
-    """Return the columns of nuisances, the clocks' own not where a cause is told by it.
+    """Return the columns of nuisances, without that of the clocks if an acting effect is the same.
 
-    A drive that acts late does what clocks do that differ, and by more than they may.
+    A delay of the drive has the same column as a difference of the clocks, but may be larger.
 
     Parameters
     ----------
     nuisances : ndarray, shape (W, m)
-        The clocks' column first.
+        Columns of the nuisances, that of the clocks first.
     acting : mapping of str to ndarray, shape (W,)
-        What each effect that acts adds.
+        Force of each acting effect in each window.
     """
     clock = nuisances[:, 0]
     for column in acting.values():
         size = float(column @ column)
-        rest = clock - column * (float(column @ clock) / size if size else 0.0)
-        if np.linalg.norm(rest) < ALIKE * np.linalg.norm(clock):
+        residual = clock - column * (float(column @ clock) / size if size else 0.0)
+        if np.linalg.norm(residual) < ALIKE * np.linalg.norm(clock):
             return nuisances[:, 1:]
     return nuisances
 
@@ -201,20 +208,20 @@ def compared(
     piece: Whole,
     acting: Sequence[str] = (),
 ) -> Compared | str:
-    """Compare least squares with instruments and without; else say why that is not possible.
+    """Compare least squares with and without instruments, or return why that is not possible.
 
     Parameters
     ----------
     force : ndarray, shape (W,)
-        Of rows, without what errors of the motion have no part in.
+        Force of the windows without the known force.
     columns : ndarray, shape (W, k)
-        Acceleration, speed and 1, and what else acts.
+        Acceleration, speed, 1, nuisances, and acting effects.
     instruments : ndarray, shape (W, 4)
-        Of :func:`instruments_of`, in the way's sense.
+        Instruments by :func:`instruments_of`, along the motion.
     piece : ndarray of int, shape (W,)
-        Stretches of rows, ascending.
+        Independent stretch of each window, ascending.
     acting : sequence of str
-        Effects that the last columns are of.
+        Names of the effects of the last columns.
     """
     kind: Literal["reference", "earlier motion"] = "earlier motion"
     if np.isnan(instruments[:, 2:]).all():
@@ -226,18 +233,18 @@ def compared(
     pieces = int(groups.max()) + 1 if groups.size else 0
     chosen = _independent(columns)
     if pieces < AXIS_RULES.least_pieces or len(force) < AXIS_RULES.rows_a_number * len(chosen):
-        return f"{len(force)} windows in {pieces} stretches are too few to tell"
+        return f"{len(force)} windows in {pieces} stretches are too few"
     scaled, widths = _scaled(columns[:, chosen])
     own = _scaled(own)[0]
-    moved, rest = scaled[:, :MOVED], scaled[:, MOVED:]
-    excluded = np.column_stack([own, rest])
+    moved, others = scaled[:, :MOVED], scaled[:, MOVED:]
+    excluded = np.column_stack([own, others])
     fitted = excluded @ _least_squares(excluded, moved)
-    strength = min(_strength(moved, fitted, own, rest, groups, place) for place in range(MOVED))
-    left = moved - fitted
-    statistic, p_value = 0.0, 1.0  # of instruments that leave nothing
-    if np.linalg.norm(left) > ALIKE * np.linalg.norm(moved):
-        statistic, p_value = _wald(force[:, None], left, scaled, groups)
-    second = np.column_stack([fitted, rest])
+    strength = min(_strength(moved, fitted, own, others, groups, place) for place in range(MOVED))
+    residual = moved - fitted
+    statistic, p_value = 0.0, 1.0  # if the instruments explain the motion completely
+    if np.linalg.norm(residual) > ALIKE * np.linalg.norm(moved):
+        statistic, p_value = _wald(force[:, None], residual, scaled, groups)
+    second = np.column_stack([fitted, others])
     instrumental = _estimates(second, scaled, force, groups, widths)
     ordinary = _estimates(scaled, scaled, force, groups, widths)
     return Compared(
@@ -259,7 +266,7 @@ def compared(
 def _places_of(
     acting: Sequence[str], columns: Array, chosen: Sequence[int]
 ) -> dict[str, tuple[int, float]]:
-    """Return the place of each effect among the chosen columns, and how many times it is that."""
+    """Return for each effect its index among the chosen columns, and its ratio to that column."""
     first = columns.shape[1] - len(acting)
     own = {
         acting[column - first]: (place, 1.0)
@@ -270,21 +277,21 @@ def _places_of(
 
 
 def _agreement(more: Array, second: Array, columns: Array, force: Array, groups: Whole) -> float:
-    """Return the p-value that more instruments than regressors do not go with what is left.
+    """Return the p-value of a test of overidentifying restrictions.
 
-    What the law lacks goes with the motion before, too: the instruments then contradict each
-    other, and what they make of the law is as wrong.
+    If the law lacks a force, this force correlates with the earlier motion too. The instruments
+    then contradict each other, and their estimate of the law is biased as well.
 
     References
     ----------
     J. M. Wooldridge, "Score diagnostics for linear models estimated by two stage least squares"
-    (1995), whose test of overidentifying restrictions bears errors that hang together.
+    (1995); the test is valid for correlated errors.
     """
     count = more.shape[1]
     if not count:
         return 1.0
-    left = force - columns @ _least_squares(second, force)
-    beyond = (more - second @ _least_squares(second, more)) * left[:, None]
+    residual = force - columns @ _least_squares(second, force)
+    beyond = (more - second @ _least_squares(second, more)) * residual[:, None]
     sums = summed_by_group(beyond, groups)
     whole = sums.sum(axis=0)
     statistic = float(whole @ np.linalg.pinv(sums.T @ sums) @ whole)
@@ -292,25 +299,25 @@ def _agreement(more: Array, second: Array, columns: Array, force: Array, groups:
 
 
 def _of_the_law(columns: Array, acting: Sequence[str]) -> dict[str, tuple[int, float]]:
-    """Return which effects, the last columns, are numbers of the law, and how many times these.
+    """Return effects whose column is proportional to one of the law, with its index and the ratio.
 
-    Beside a law without viscous friction the drag that acts is its column.
+    For example, the column of a viscous drag is that of the law's viscous friction.
     """
     places: dict[str, tuple[int, float]] = {}
     for name, column in zip(acting, columns.T[columns.shape[1] - len(acting) :], strict=True):
         for place, own in enumerate(columns.T[: len(NAMES)]):
             size = float(own @ own)
             ratio = float(own @ column) / size if size else 0.0
-            rest = float(np.linalg.norm(column - ratio * own))
-            if ratio and rest <= ALIKE * float(np.linalg.norm(column)):
+            residual = float(np.linalg.norm(column - ratio * own))
+            if ratio and residual <= ALIKE * float(np.linalg.norm(column)):
                 places[name] = place, ratio
     return places
 
 
 def _strength(
-    moved: Array, fitted: Array, own: Array, rest: Array, groups: Whole, place: int
+    moved: Array, fitted: Array, own: Array, others: Array, groups: Whole, place: int
 ) -> float:
-    """Return the F statistic of the instruments for one regressor beside the other.
+    """Return the conditional F statistic of the instruments for one of the two regressors.
 
     References
     ----------
@@ -318,22 +325,22 @@ def _strength(
     endogenous variables", Journal of Econometrics 190 (2016).
     """
     other = MOVED - 1 - place
-    numbers = _least_squares(np.column_stack([fitted[:, other], rest]), moved[:, place])
-    left = moved[:, place] - np.column_stack([moved[:, other], rest]) @ numbers
-    count, statistic = own.shape[1], _wald(left[:, None], own, rest, groups)[0]
+    numbers = _least_squares(np.column_stack([fitted[:, other], others]), moved[:, place])
+    residual = moved[:, place] - np.column_stack([moved[:, other], others]) @ numbers
+    count, statistic = own.shape[1], _wald(residual[:, None], own, others, groups)[0]
     return float(statistic * count / (count - 1))
 
 
 def _independent(columns: Array) -> list[int]:
-    """Return places of columns that those before do not make; the law's own ones are first."""
+    """Return indices of columns that are no combination of earlier ones; the law's are all kept."""
     basis, kept = np.zeros((len(columns), 0)), []
     for place, column in enumerate(columns.T):
-        rest = column - basis @ (basis.T @ column)
-        rest = rest - basis @ (basis.T @ rest)
-        size = float(np.linalg.norm(rest))
+        residual = column - basis @ (basis.T @ column)
+        residual = residual - basis @ (basis.T @ residual)
+        size = float(np.linalg.norm(residual))
         if size > ALIKE * float(np.linalg.norm(column)) or place <= MOVED:
             kept.append(place)
-            basis = np.column_stack([basis, rest / (size or 1.0)])
+            basis = np.column_stack([basis, residual / (size or 1.0)])
     return kept
 
 
@@ -347,7 +354,10 @@ def _least_squares(columns: Array, goal: Array) -> Array:
 
 
 def _wald(goal: Array, asked: Array, beside: Array, groups: Whole) -> tuple[float, float]:
-    """Return F that columns add nothing beside others, and its p-value; errors go by groups."""
+    """Return F and p-value of a test that columns `asked` add nothing to columns `beside`.
+
+    Errors are clustered by group.
+    """
     design = np.column_stack([asked, beside])
     numbers = _least_squares(design, goal[:, 0])
     covariance = _covariance(design, goal[:, 0] - design @ numbers, groups)
@@ -357,19 +367,19 @@ def _wald(goal: Array, asked: Array, beside: Array, groups: Whole) -> tuple[floa
     return statistic, float(scipy.special.fdtrc(count, groups.max(), statistic))
 
 
-def _covariance(design: Array, rest: Array, groups: Whole) -> Array:
-    """Return the covariance of least squares by groups, corrected for their number."""
+def _covariance(design: Array, residual: Array, groups: Whole) -> Array:
+    """Return the clustered covariance of least squares, corrected for the number of groups."""
     count = int(groups.max()) + 1
     inverse = np.asarray(np.linalg.pinv(design.T @ design, rcond=1e-12))
-    return count / (count - 1) * clustered_covariance(design, rest, groups, inverse)
+    return count / (count - 1) * clustered_covariance(design, residual, groups, inverse)
 
 
 def _estimates(
     regressors: Array, columns: Array, force: Array, groups: Whole, widths: Array
 ) -> list[Estimate]:
-    """Return each number of a fit with its error, in the columns' own units.
+    """Return the coefficients of a fit with their standard errors, in the columns' own units.
 
-    Residuals are those of the columns, whichever regressors stand in their place.
+    Residuals are computed with the columns themselves, not with the regressors that replace them.
     """
     numbers = _least_squares(regressors, force)
     error = np.sqrt(np.diag(_covariance(regressors, force - columns @ numbers, groups)))

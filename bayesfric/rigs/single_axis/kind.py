@@ -1,4 +1,4 @@
-"""What kind of rig a driven axis is, and what a recording shows of it before any fit."""
+"""The rig of a driven axis: its name, texts and tables, and remarks on a recording."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -35,7 +35,7 @@ WORDS = Words(
 
 @dataclass(frozen=True)
 class SingleAxis(Rig):
-    """A mass, or a joint, that one drive moves along or about one axis."""
+    """A mass or a joint that a single drive moves along or about one axis."""
 
     name: str = "single-axis"
     words: Words = WORDS
@@ -43,13 +43,13 @@ class SingleAxis(Rig):
 
     @property
     def own_design(self) -> "OwnDesign":
-        """A mass on a slide."""
+        """The design of simulated recordings: a mass on a slide."""
         from bayesfric.rigs.single_axis.simulator import DESIGN
 
         return DESIGN
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "AxisRuns | None":
-        """Return the runs in which the axis moves; no rule keeps another out."""
+        """Return the runs in which the axis moves; `exclude` has no effect."""
         del exclude
         if recording.axis is None:
             return None
@@ -61,7 +61,7 @@ class SingleAxis(Rig):
         return opened(self, recording.axis, recording.rig)
 
     def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
-        """Return what a log of commands says of its servo."""
+        """Return remarks on the servo of a log of commands."""
         if recording.axis is None:
             return ()
         from bayesfric.rigs.single_axis.servo import servo_of
@@ -74,7 +74,7 @@ class SingleAxis(Rig):
         return tuple(lines)
 
     def left_out(self, recording: Recording) -> list[Fault]:
-        """Return the runs that do not enter, and why; see :mod:`.left_out`."""
+        """Return the runs that are not used, and why; see :mod:`.left_out`."""
         if recording.axis is None:
             return []
         from bayesfric.rigs.single_axis.entering import entering

@@ -12,25 +12,27 @@ from bayesfric.rigs.single_axis.weak_form import TestFunction
 def late_rates(
     log: EvenLog, test: TestFunction, centres: NDArray[np.intp], curvature: Array, late_s: float
 ) -> tuple[Array, Array]:
-    """Return rates by which a delay's and a lag's loss is told, each of shape (W,) [N/s].
+    """Return the rates of the force for a delay and for a lag, each of shape (W,) [N/s].
 
-    F(t) − F(t − d) is d F'(t − d/2) up to the third order. A lag's loss is told by what the
-    actuator gives, exactly: its command may change as fast as the lag is long. What errors of
-    the command that are in the window's mean force too have more in the lag's rate would be the
-    error of a curvature by the window's own samples: `curvature` stands in its place.
+    For a delay d, F(t) − F(t − d) = d F'(t − d/2) up to third order, so the rate is taken d/2
+    earlier. For a lag, the rate is that of the actuator's force. This is exact even if the command
+    changes within the time constant. Errors of the command are in the window's mean force and in
+    this rate. Their part of the rate that exceeds that of a delay is proportional to the second
+    derivative by the window's own samples. It is replaced by `curvature`, which does not contain
+    these errors.
 
     Parameters
     ----------
     log : EvenLog
-        A run; before it the force is taken to have been what it is at the start.
+        A run; the force before its start is assumed to be that at the start.
     test : TestFunction
-        Of the windows.
+        Test function of the windows.
     centres : ndarray of int, shape (W,)
-        Their middles.
+        Middle sample of each window.
     curvature : ndarray, shape (W,)
-        The force's second derivative, apart from the errors of the mean force [N/s²].
+        Second derivative of the force, without the errors of the mean force [N/s²].
     late_s : float
-        Delay, or time constant of the lag, roughly; no lag is shorter than a sample [s].
+        Rough delay, or time constant of the lag; a lag is at least one sample long [s].
     """
     ago = 0.5 * late_s / log.interval_s
     lag = max(late_s / log.interval_s, 1.0)
@@ -38,7 +40,7 @@ def late_rates(
     def rate(force: Array) -> Array:
         return -test.over(force, test.slope, centres)
 
-    value = np.pad(test.value, 1)  # no error lies outside of the window
+    value = np.pad(test.value, 1)  # errors outside the window do not matter
     more = following(value, lag) - _earlier(value, ago)
     shared = (test.slope @ more[1:-1]) / (test.curvature @ test.value)
     own = test.over(log.force, test.curvature, centres)
@@ -53,16 +55,16 @@ def _earlier(force: Array, steps: float) -> Array:
 
 
 def following(force: Array, steps: float) -> Array:
-    """Return what follows a force, straight between samples, with a time constant, shape (N,).
+    """Return a first-order lag of a force that is linear between samples, shape (N,).
 
     Parameters
     ----------
     force : ndarray, shape (N,)
-        At every sample; before it is what it was at the first.
+        The force at each sample; before the first sample it is constant.
     steps : float
-        The time constant, in samples.
+        Time constant [samples].
     """
     kept = np.exp(-1 / steps)
-    mean = (1 - kept) * steps  # of what is kept, over one step
+    mean = (1 - kept) * steps  # mean of the decay over one step
     numbers = [1 - mean, mean - kept], [1.0, -kept]
     return np.asarray(scipy.signal.lfilter(*numbers, force, zi=mean * force[:1])[0])

@@ -32,8 +32,8 @@ def not_modelled(axis: Axis, constants: RigConstants) -> list[Fault]:
     samples, faults = axis.samples, []
     if "joint" in samples and len(samples["joint"].unique()) > 1:
         expected = (
-            "the samples of one joint: diagnose and fit take each joint by itself, and this "
-            "does not (keep the rows of one)"
+            "the samples of one joint: unlike diagnose and fit, this command does not separate "
+            "joints (keep the rows of one)"
         )
         joints = ", ".join(samples["joint"].unique())
         faults.append(Fault(SAMPLES, expected, column="joint", value=joints))
@@ -58,7 +58,7 @@ def left_out(axis: Axis, constants: RigConstants) -> list[Fault]:
     reasons += [
         Fault(
             SAMPLES,
-            f"{samples} {joint} too: what it does to this one is to be known",
+            f"{samples} {joint} too, because it exerts forces on this joint",
             column=f"run {run}",
         )
         for run, joint in joints_that_lack(axis).items()
@@ -78,8 +78,8 @@ def _of_runs(
             value = f"{len(by_run[run])} samples"
         elif (stretch := _longest(log, noise)) == 0:
             expected = (
-                "a run that moves: that it does is not to be seen above the error of its "
-                f"positions, {noise:.2g}"
+                "a run that moves by more than the error of its positions shows, which is "
+                f"{noise:.2g}"
             )
             value = f"{np.ptp(log.position):.2g} from end to end"
         elif stretch < WINDOW:

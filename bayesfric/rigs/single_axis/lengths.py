@@ -1,10 +1,13 @@
-"""The length of play or of the wind-up of a load behind the drive, from a search over the rows.
+"""Searches for the length of play, or of the wind-up of a spring, of a load behind the drive.
 
-A load that coasts through play, or oscillates on a spring, has another rhythm at each length, so
-nothing can be interpolated between the lengths at quantiles of a prior. If the longest length fits
-best, no length is reported: the explained force continues over the whole path, as that of a coarse
-encoder in the loop does. A length that positions do not resolve is not reported either: the motion
-of the load then consists of their errors, which are also in the force of the path.
+A load that coasts through play, or oscillates on a spring, moves with another period at each
+length. Its motion can therefore not be interpolated between a few quantiles of a prior, and the
+length is found by a search over a fine grid.
+
+No length is reported in two cases. If the longest length fits best, the explained force continues
+over the whole path, as the force of a coarse encoder in the loop does. If the length is below the
+resolution of the positions, the simulated motion of the load consists of their errors, which are
+also in the force.
 """
 
 from dataclasses import replace
@@ -25,27 +28,28 @@ from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import state_of
 
 MOST = 40_000
-"""Samples of the paths along which lengths are tried: lengths differ by a fifth, and more samples
-only cost time."""
+"""Samples of the paths along which lengths are tried. Lengths differ by a fifth, so more samples
+would not change the best one."""
 
 
 def with_lengths(
     readings: Readings, table: pd.DataFrame, measures: Measures, constants: RigConstants
 ) -> Measures:
-    """Return measures with the strongest length of each way to hold a load, and its neighbours.
+    """Return measures with the best-fitting length of play and of wind-up, and lengths around it.
 
-    Of a spring it is looked for at a middling damping, and then for the strongest of these.
+    The length of a spring's wind-up is searched at a middle damping ratio. Then the damping ratio
+    that fits best is chosen.
 
     Parameters
     ----------
     readings : Readings
-        Rows of all runs.
+        Windows of all runs.
     table : DataFrame
-        Trials.
+        Table of trials.
     measures : Measures
-        Of the recording, without lengths.
+        Scales of the recording, without lengths.
     constants : RigConstants
-        The machine.
+        The constants of the machine.
     """
     rows = _Rows.of(_thinned(readings), table, measures, constants)
     by_held = {
@@ -56,12 +60,12 @@ def with_lengths(
     lengths, untold = {}, set()
     for held, effect in by_held.items():
         tried = measures.stroke * LENGTHS[held]
-        takes, best = rows.strongest(effect, tried, measures)
+        reduction, best = rows.strongest(effect, tried, measures)
         longest = best == tried[-1]
         if held == "spring":
             middling = np.array([measures.damping])
             own = rows.own_shares(effect, OWN, best * NEAR, middling)
-            if own.takes > AXIS_RULES.own_length * takes:
+            if own.reduction > AXIS_RULES.own_length * reduction:
                 best, measures = own.length, replace(measures, mass_over_friction=own.heavy)
                 longest = False
         if longest or best < AXIS_RULES.least_length * readings.position_sd:
@@ -87,35 +91,47 @@ def with_lengths(
 
 
 def _thinned(readings: Readings) -> Readings:
-    """Return rows along some of the paths, which have about :data:`MOST` samples in all."""
-    followed, there = readings.followed.thinned(MOST)
+    """Return windows along some of the paths, which have about :data:`MOST` samples in total."""
+    motions, there = readings.load_motions.thinned(MOST)
     rows = np.flatnonzero(np.isin(readings.place, there))
     place = np.searchsorted(there, readings.place[rows])
-    return replace(readings.at(rows), place=place, followed=followed)
+    return replace(readings.at(rows), place=place, load_motions=motions)
 
 
 class _OwnShares(NamedTuple):
-    """A load on a spring, and what it takes off the squares."""
+    """The best-fitting load on a spring.
 
-    takes: float
+    Parameters
+    ----------
+    reduction : float
+        Reduction of the residual sum of squares.
+    heavy : float
+        Ratio of its share of the mass to its share of the friction.
+    length : float
+        Wind-up [m or rad].
+    damping : float
+        Damping ratio.
+    """
+
+    reduction: float
     heavy: float
     length: float
     damping: float
 
 
 class _Rows(NamedTuple):
-    """Rows without what the law and a line along the path explain of them.
+    """Residuals of the windows' forces after the law and a force that is linear in position.
 
     Parameters
     ----------
     readings, table, measures, constants
         As of :func:`with_lengths`.
     inside : ndarray of bool, shape (W,)
-        Rows that tell it.
+        The N windows that are used: those within the limit of the drive.
     basis : ndarray, shape (N, k)
-        An orthonormal basis of the columns of the law, at these.
+        Orthonormal basis of the fitted columns.
     left : ndarray, shape (N,)
-        What they leave of the force.
+        Residual force.
     """
 
     readings: Readings
@@ -153,22 +169,33 @@ class _Rows(NamedTuple):
         return cls(readings, table, measures, constants, inside, basis, left)
 
     def strongest(self, effect: Effect, lengths: Array, measures: Measures) -> tuple[float, float]:
-        """Return what the best law of all lengths takes off the squares, and at which."""
-        law = AxisLaw(self.measures.mass, self.measures.friction)
-        nobody = np.zeros(len(self.table), dtype=np.bool_)
-        state = state_of(self.readings, law, self.table, nobody, measures, self.constants)
+        """Return the largest reduction of the residual sum of squares, and its length.
 
-        def takes(length: float) -> float:
+        The maximum is over all laws of an effect and over all lengths.
+        """
+        law = AxisLaw(self.measures.mass, self.measures.friction)
+        no_trial = np.zeros(len(self.table), dtype=np.bool_)
+        state = state_of(self.readings, law, self.table, no_trial, measures, self.constants)
+
+        def reduction(length: float) -> float:
             columns = [
                 _column(effect, name, length, state, self.readings)[self.inside]
                 for name in effect.laws
             ]
-            return float(self.taken(np.stack(columns, axis=1), effect).max())
+            return float(self.reductions(np.stack(columns, axis=1), effect).max())
 
-        return max((takes(float(length)), float(length)) for length in lengths)
+        return max((reduction(float(length)), float(length)) for length in lengths)
 
-    def taken(self, columns: Array, effect: Effect) -> Array:
-        """Return what columns of amplitude 1 take off the squares, by the prior's width."""
+    def reductions(self, columns: Array, effect: Effect) -> Array:
+        """Return by how much each of K columns reduces the residual sum of squares, (K,).
+
+        Amplitudes are not negative, and are regularised by the width of the effect's prior.
+
+        Parameters
+        ----------
+        columns : ndarray, shape (N, K)
+            The force of an amplitude of 1 in each window.
+        """
         free = columns - self.basis @ (self.basis.T @ columns)
         noise = self.left @ self.left / self.left.size
         noise = noise / prior_moments(effect.amplitude.prior)[1] ** 2
@@ -178,21 +205,21 @@ class _Rows(NamedTuple):
     def own_shares(
         self, spring: Effect, shares: Array, lengths: Array, dampings: Array
     ) -> _OwnShares:
-        """Return the best load on a spring whose mass and friction are not tied."""
+        """Return the best load on a spring among all combinations of ratio, length and damping."""
         heavy, near, damped = (values.ravel() for values in np.meshgrid(shares, lengths, dampings))
         mass = self.measures.mass + self.readings.known_inertia
         friction = self.measures.friction
-        moved = self.readings.followed.side_by_side(
+        moved = self.readings.load_motions.side_by_side(
             "spring", friction / mass, heavy, near / heavy, damped
         )
         late, lost = moved[:, self.readings.place[self.inside]]
-        takes = self.taken(heavy * mass * late + friction * lost, spring)
-        best = int(np.argmax(takes))
-        return _OwnShares(*(float(values[best]) for values in (takes, heavy, near, damped)))
+        reduction = self.reductions(heavy * mass * late + friction * lost, spring)
+        best = int(np.argmax(reduction))
+        return _OwnShares(*(float(values[best]) for values in (reduction, heavy, near, damped)))
 
 
 def _column(effect: Effect, law: str, length: float, state: State, readings: Readings) -> Array:
-    """Return what a law of amplitude 1 adds to each row, (W,)."""
+    """Return the force of a law with amplitude 1 in each window, (W,)."""
     assert effect.shape is not None
     values = {effect.amplitude.name: 1.0, effect.shape.name: length}
     inside = np.broadcast_to(effect.laws[law](values, state), readings.speed.shape)

@@ -1,17 +1,19 @@
-"""Likelihood of an axis: the rows of all runs, given mass and friction.
+"""Likelihood of an axis: the density of all windows, given mass and friction.
 
-Given the numbers, row i of run r on assembly j is
+The force of window i, in run r on assembly j, is
 
-    y_i = m a_i + (F_c + b |v|_i)(1 + η_j + ε_r + ζ_i) + F_o s_i + Δ F'_i + Σ c_k B_ki + error_i,
+    y_i = m a_i + (F_c + b |v|_i)(1 + η_j + ε_r + ζ_i) + F_o s_i + Δ F'_i + Σ c_k B_ki + error_i.
 
-with F_o an offset of the force and s the way that the axis runs, η, ε the scatter of assemblies
-and runs, ζ friction's wander along the path and Δ the time by which the clocks of force and
-position are off. B_k are forces of other joints, of payloads, or of errors of the machine's model,
-in amounts c_k whose priors are N(0, 1): integrated out (:class:`.beside.Amounts`). Errors and
-wander have a covariance whose shape (the ratio of position to force error, the length of the
-wander, and how much friction differs from place to place in a run) is that of the most probable
-noise; how large errors and wander are remains open.
-Each run is reduced once to quadratic forms, tabulated over the ratio of the two.
+F_o is an offset of the force and s the direction of the motion. η and ε are the scatter of
+friction between assemblies and between runs, and ζ is the wander of friction along the path. Δ is
+the difference between the clocks of force and position. B_k are forces of other joints, of
+payloads, or of errors of the machine's model; their amounts c_k have priors N(0, 1) and are
+integrated out (:class:`.beside.Amounts`).
+
+Three shape parameters of the covariance are fixed at the mode of the noise: the ratio of position
+error to force error, the length of the wander, and the variation of friction with position within
+a run. The scales of errors and of wander are parameters. Each run is reduced once to quadratic
+forms, which are tabulated over the ratio of these two scales.
 """
 
 from collections.abc import Mapping
@@ -34,30 +36,30 @@ from bayesfric.rigs.single_axis.deviations import integrated, map_columns, map_s
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.rows import AxisRows
 
-NOTHING = 1e-15  # of what is told of the best known number, so that all can be solved for
+NOTHING = 1e-15  # ridge relative to the largest information, so that all can be solved for
 RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over error
-DECAY = 2.0  # of the spectrum of a map of friction
+DECAY = 2.0  # exponent of the spectrum of friction along the path
 SCATTER = HalfNormal(scale=0.05)
 FORCE, MASS, COULOMB, VISCOUS, LATENCY, OFFSET = range(6)
-WIDTH = 6  # columns of the law and its clocks, the force among them
+WIDTH = 6  # number of these columns: the force, the law, the clocks and the offset
 
 
 class AxisModel(ExactModel):
-    """Rows of an axis given the law; see :class:`bayesfric.observation.exact.ExactModel`.
+    """Windows of an axis given the law; see :class:`bayesfric.observation.exact.ExactModel`.
 
     Parameters
     ----------
     table : DataFrame
-        N trials, those of an assembly adjacent.
+        N trials; trials of the same assembly are adjacent.
     rows : AxisRows
-        Around rough values.
+        Windows around rough estimates of the law.
     measures : Measures
-        Of the machine, for units and priors.
+        Scales of the recording, with units and priors.
 
     Attributes
     ----------
     trials : DataFrame
-        The N trials in the order of every result.
+        The N trials, in the order of all results.
     """
 
     def __init__(self, table: pd.DataFrame, rows: AxisRows, measures: Measures) -> None:
@@ -116,17 +118,17 @@ class AxisModel(ExactModel):
         ends = [*np.flatnonzero(np.diff(readings.trial, prepend=-1)), readings.count]
         uneven = rows.law.coulomb * map_columns(rows.mean(readings.position))[:, 1:]
         variance = along**2 * map_spectrum(length / rows.stroke, DECAY)[0]
-        # Of the most probable noise.
+        # Amounts of forces beside the law are integrated out at the mode of the noise.
         ratio = float(np.log(self.noise[2] * self._rough.coulomb / self._typical))
         solved = pieces.solved(position, force, float(np.exp(ratio)) * self._typical, length)
         whole = np.column_stack([uneven, data])
         weighted = solved.times(whole)
         grams = np.stack([whole[i:j].T @ weighted[i:j] for i, j in pairwise(ends)])
         self._amounts = Amounts.of(integrated(grams, variance)[0].sum(axis=0))
-        data = np.column_stack([uneven, self._amounts.taken_off(data)])
+        data = np.column_stack([uneven, self._amounts.without_modes(data)])
         table = []
         for ratio in RATIOS:
-            # Wander of friction in newtons over the errors of rows, whose unit is theirs.
+            # Errors have the scale of the mode, and the wander is exp(ratio) in typical units.
             solved = pieces.solved(position, force, float(np.exp(ratio)) * self._typical, length)
             weighted = solved.times(data)
             grams = np.stack([data[i:j].T @ weighted[i:j] for i, j in pairwise(ends)])
@@ -138,23 +140,25 @@ class AxisModel(ExactModel):
 
     @property
     def _typical(self) -> float:
-        """A row's error: the unit in which the wander is counted [N]."""
+        """Unit in which the wander is counted: 1 % of rough Coulomb friction [N or N·m]."""
         return self._rough.coulomb * 0.01
 
     def law(self, theta: Mapping[str, Array]) -> Array:
-        """Return friction of each trial at its mean speed by the law, (W, N) [N]."""
+        """Return the law's friction of each trial at its mean speed, (W, N) [N]."""
         none = np.zeros_like(theta["mass"])
         coulomb, viscous = (theta.get(name, none)[:, None] for name in ("coulomb", "viscous"))
         return np.asarray(coulomb + viscous * self._speed)
 
     def _reduced(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array]:
-        """Return each run's friction beyond the law, its variance, and what else there is.
+        """Return the estimated deviation of each trial's friction from the law.
 
         Returns
         -------
-        beyond, variance, density : ndarray, shape (W, N)
-            Generalised least squares of a constant; the log density of the rows is that of
-            this number and `density`.
+        beyond, variance : ndarray, shape (W, N)
+            Generalised least-squares estimate of a constant deviation, and its variance, for W
+            parameter vectors.
+        density : ndarray, shape (W, N)
+            The log density of a trial's windows is the normal log density of `beyond` plus this.
         """
         scale = theta["row_error"][:, None]
         rough = np.full_like(theta["mass"], self._rough.coulomb)
@@ -178,22 +182,22 @@ class AxisModel(ExactModel):
         return beyond, variance, density
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
-        """Return friction beyond the law that each run's rows show."""
+        """Return the deviation of each trial's friction from the law, as its windows show it."""
         beyond, variance, density = self._reduced(theta)
         return Shown(beyond, variance, self.law(theta), constant=density)
 
     def observed(self, theta: Mapping[str, Array]) -> Array:
-        """Return friction of each trial as its rows show it, (W, N) [N]."""
+        """Return the estimated friction of each trial, (W, N) [N]."""
         return np.asarray(self.law(theta) + self._reduced(theta)[0])
 
     def read(self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator) -> Array:
-        """Draw what rows would show of friction that deviates so from the law, (…, W, N)."""
+        """Draw the estimates of friction that deviates from the law by `deviation`, (…, W, N)."""
         error = np.sqrt(self._reduced(theta)[1])
         noise = error * rng.standard_normal(deviation.shape)
         return np.asarray(self.law(theta) * (1 + deviation) + noise)
 
     def start(self) -> dict[str, float]:
-        """Return rough estimates; also by the names that a diagnosis has for any law."""
+        """Return rough estimates by parameter, also under the names that a diagnosis uses."""
         rough, size = self._rough, self.scatter.size.sizes[0]
         starts = {
             "mass": rough.mass,
@@ -210,10 +214,16 @@ class AxisModel(ExactModel):
 
 
 def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
-    """Return the noise at its mode, the law at its least squares.
+    """Return the mode of the noise, with the law at its least-squares estimate.
 
-    Errors of position and force, wander, its length, and how much friction differs from place
-    to place in a run.
+    Returns
+    -------
+    position, force : float
+        Standard deviations of errors of a position [m or rad] and of a force [N or N·m].
+    wander, length : float
+        Relative standard deviation of the wander, and its length [m or rad].
+    along : float
+        Relative standard deviation of friction between positions, anew in each run.
     """
     readings, friction = rows.readings, rows.law.coulomb
     pieces = Pieces.of(
@@ -238,7 +248,7 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
         forms, determinants = integrated(grams, variance)
         form = forms.sum(axis=0)
         curvatures = np.diag(form)[:-1]
-        # Of a simulator in the law's place and a constant force nothing is left to be told.
+        # If a simulator replaces the law, and a force is constant, nothing is left to be estimated.
         ridge = NOTHING * (float(curvatures.max()) or 1.0)
         information = form[:-1, :-1] + ridge * np.eye(columns.shape[1])
         square = form[-1, -1] - form[-1, :-1] @ np.linalg.solve(information, form[:-1, -1])

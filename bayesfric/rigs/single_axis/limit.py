@@ -19,11 +19,11 @@ from bayesfric.rigs.single_axis.rough import pull_columns
 
 LIMITS = 60
 """Limits that are tried, at as many quantiles of the command."""
-LOW, HIGH = 0.05, 0.998  # of these quantiles
-STATED = 0.02  # relative error of a limit that was declared
-MOST = 1.2  # of what is commanded beyond a limit may be lost
-FINER = 9  # tried between two of them
-LINE = 4  # numbers of the line: by force, constant, by its rate and by speed
+LOW, HIGH = 0.05, 0.998  # range of these quantiles
+STATED = 0.02  # relative error of a declared limit
+MOST = 1.2  # largest plausible loss beyond a limit, relative to the command beyond it
+FINER = 9  # limits that are tried between two of these quantiles
+LINE = 4  # coefficients of the line: of force, a constant, force rate and speed
 
 
 class Limit(NamedTuple):
@@ -52,9 +52,9 @@ class Limit(NamedTuple):
         return self.explained > AXIS_RULES.limit_explained
 
     def within(self, readings: Readings) -> Flags:
-        """Return whether all commands of a row lie within the limit, (W,).
+        """Return whether all commands of a window lie within the limit, (W,).
 
-        All rows count as within it if there is no limit, or if too few rows would remain.
+        All windows count as within it if there is no limit, or if too few windows would remain.
         """
         inside = np.abs(readings.drive).max(axis=1) < self.force
         return np.asarray(inside | (not self.there or inside.sum() < AXIS_RULES.limit_least_rows))
@@ -68,11 +68,28 @@ def within_limit(
     clips: bool = True,
     declared: float | None = None,
 ) -> tuple[Readings, Limit] | None:
-    """Reduce runs to rows as :func:`readings_of` does, beyond no limit that their drive has.
+    """Reduce runs to windows, with the force clipped at the limit of the drive.
 
-    The limit comes with them: rows that were read within one hold part of what it explains, and
-    tell it less. A force that was measured, which no drive `clips`, has none. One that is
-    `declared` is not looked for: it is there where something beyond it was commanded.
+    The limit is estimated from windows with the unclipped force, because clipped windows contain
+    a part of its effect. It is returned together with the windows.
+
+    Parameters
+    ----------
+    logs : sequence of EvenLog
+        The runs.
+    starts : sequence of ndarray of int
+        For each run, the samples at which its trials begin.
+    resolution : float or None
+        Resolution of the encoder.
+    clips : bool
+        Whether the drive may clip the force. A measured force is not clipped.
+    declared : float or None
+        Declared limit; it is used if any command exceeds it. None: the limit is estimated.
+
+    Returns
+    -------
+    tuple of (Readings, Limit), or None
+        None if no window has a single direction.
     """
     rows = readings_of(logs, starts, resolution)
     if rows is None:
@@ -89,12 +106,12 @@ def within_limit(
 
 
 def drive_limit(readings: Readings) -> Limit:
-    """Return the limit by which a loss explains most of the acceleration.
+    """Return the limit whose loss of force explains the acceleration best.
 
     Parameters
     ----------
     readings : Readings
-        Rows.
+        Windows with the unclipped force.
     """
     size = np.abs(readings.drive)
     toward = np.sign(readings.drive) * readings.way[:, None]
@@ -115,13 +132,13 @@ def drive_limit(readings: Readings) -> Limit:
         most = float(np.abs(lost).max()) or 1.0
         design = np.column_stack([line / width, lost / most])
         coefficients, squares, _, _ = np.linalg.lstsq(design, readings.acceleration, rcond=1e-9)
-        if squares.size == 0:  # fewer rows than numbers, or columns that hang together
+        if squares.size == 0:  # too few windows, or collinear columns
             return np.inf
         by_force, rest, by_lost = (coefficients / np.append(width, most))[[0, 1, -1]]
         if by_force <= 0:
             return np.inf
         share, friction = -by_lost / by_force, -rest / by_force
-        # A drive that could not overcome friction would move nothing: its limit lies above.
+        # The axis moved, so the limit of its drive exceeds friction.
         return float(squares[0]) if 0 < share < MOST and limit > friction else np.inf
 
     places = np.quantile(size, np.linspace(LOW, HIGH, LIMITS))

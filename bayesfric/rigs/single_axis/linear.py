@@ -1,4 +1,4 @@
-"""The rows of an axis as information on the numbers of a hypothesis."""
+"""The windows of an axis as information on the parameters of a hypothesis."""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -26,9 +26,9 @@ from bayesfric.rigs.single_axis.deviations import (
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import AxisRows
 
-SCATTER = (1e-4, 1.0)  # looked at
-ONCE = HalfNormal(scale=0.001)  # scatter of assemblies: of one, or each of which has one run
-GROUPED = 1  # rows of a window in which residual forces are shown
+SCATTER = (1e-4, 1.0)  # range in which a relative scatter is searched
+ONCE = HalfNormal(scale=0.001)  # prior of scatter between assemblies that are not repeated
+GROUPED = 1  # windows of the weak form in a window of residual forces
 NAMES = (
     "sigma_position",
     "sigma_force",
@@ -47,16 +47,16 @@ IN_TIME = 1.0  # decay of the spectrum in time: that of an exponential correlati
 
 
 class AxisPart(ColumnsPart):
-    """Rows of an axis as information on the numbers of a hypothesis.
+    """Windows of an axis as information on the parameters of a hypothesis.
 
     Parameters
     ----------
     rows : LinearAxis
-        The rows, linear around the reference law.
+        The windows, linear around the reference law.
     model : ModelColumns
-        What is made of them; rows are kept one by one, and the axis has priors of its own.
+        Columns of the linear model.
     place : int
-        Of the rig among all.
+        Index of the rig among all rigs.
     """
 
     rows: "LinearAxis"
@@ -71,7 +71,7 @@ class AxisPart(ColumnsPart):
         readings = rows.readings
         self.columns = laid_columns(rows, model, place)
         self._response = rows.residual()
-        # Friction that is missing while it builds up is no better known than when it is whole.
+        # While friction builds up after a reversal, its scatter is that of the full friction.
         moved = np.maximum(scattering_column(rows, model), rows.friction_of_row)
         began = np.full(len(rows.table), np.inf)
         np.minimum.at(began, readings.trial, readings.time_s)
@@ -82,9 +82,9 @@ class AxisPart(ColumnsPart):
         )
         self._root = np.sqrt(row_weights(rows, model, readings.count))
         self._pieces = Pieces.of(readings, rows.moved_mass, moved, rows.law.viscous)
-        # What all rows have in common is the law's: one group alone has no scatter of its own.
-        again = bool(1 < self._alike.max() + 1 < len(rows.table))
-        self.noise = _noise(readings, rows.stroke, force, again, self._longest_s)
+        # The scatter of a single group cannot be separated from the law.
+        is_repeated = bool(1 < self._alike.max() + 1 < len(rows.table))
+        self.noise = _noise(readings, rows.stroke, force, is_repeated, self._longest_s)
 
     def evaluate(
         self,
@@ -93,19 +93,22 @@ class AxisPart(ColumnsPart):
         phases: Sequence[tuple[int, float, str]] = (),
         used: Flags | None = None,
     ) -> Evaluated:
-        """Return what the rows say of the numbers; none of its effects has phases."""
+        """Return the information of the windows on the parameters, and its gradient.
+
+        `phases` is ignored: no effect of an axis has phases.
+        """
         trial = self.rows.readings.trial
         kept = np.ones(trial.size, dtype=bool) if used is None else used[trial]
         x = self.mixed(mixing)
-        # A row whose own error has a weight is one of weight 1, times the weight's root.
+        # A row of weight w is the same as a row of weight 1 multiplied by √w.
         root = kept * self._root
         z = np.column_stack([self._deviating, x, self._response]) * root[:, None]
         solved = self._pieces.solved(*(noise[name] for name in NAMES[:4]))
-        lent = solved.times(z)
+        weighted = solved.times(z)
         ends = [*np.flatnonzero(np.diff(trial, prepend=-1)), trial.size]
         runs = [slice(start, stop) for start, stop in pairwise(ends)]
-        grams = np.stack([z[rows, :COLUMNS].T @ lent[rows] for rows in runs])
-        others = z[:, COLUMNS:].T @ lent[:, COLUMNS:]
+        grams = np.stack([z[rows, :COLUMNS].T @ weighted[rows] for rows in runs])
+        others = z[:, COLUMNS:].T @ weighted[:, COLUMNS:]
         levels, (spectrum, by_length, by_decay), (in_time, by_time) = self._levels(noise)
         shared = Shared(grams, others, self._alike, levels)
         k = x.shape[1]
@@ -118,14 +121,14 @@ class AxisPart(ColumnsPart):
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
             m, v = mean[self._which], covariance[self._which]
-            # The residual, and the columns by a root of what is not known of their numbers.
+            # The residual at the mean, and the columns times a root of the parameters' covariance.
             mixed = np.zeros((k + 1, k + 1))
             mixed[:, 0] = np.append(-m, 1.0)
             mixed[:k, 1:] = root_of(0.5 * (v + v.T))
             run, setup, run_map, machine_map, slow = shared.moments(mixed)
             numbers, inverse = shared.of_rows()
-            pulled = lent[:, :COLUMNS]
-            pulls = lent[:, COLUMNS:] @ mixed
+            pulled = weighted[:, :COLUMNS]
+            pulls = weighted[:, COLUMNS:] @ mixed
             for rows, of_run in zip(runs, numbers @ mixed, strict=True):
                 pulls[rows] -= pulled[rows] @ of_run
             slopes = solved.gradient(pulls, pulled, inverse, trial, kept)
@@ -148,7 +151,7 @@ class AxisPart(ColumnsPart):
     ) -> tuple[Levels, tuple[Array, Array, Array], tuple[Array, Array]]:
         """Return the variances of deviations, and the spectra along the path and in time.
 
-        Each spectrum comes with its slopes.
+        Each spectrum comes with its derivatives by the logarithms of its parameters.
         """
         tau, omega, machine, run, length, decay, slow, time_s = (noise[name] for name in NAMES[4:])
         along = map_spectrum(length / self.rows.stroke, decay)
@@ -159,9 +162,9 @@ class AxisPart(ColumnsPart):
         return levels, along, (in_time, by_time)
 
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
-        """Return what each trial alone says of the local numbers, (N, q, q)."""
+        """Return the information matrix of each trial alone, (N, q, q)."""
         z = np.column_stack([self._deviating, self.columns]) * self._root[:, None]
-        lent = self._pieces.solved(*(noise[name] for name in NAMES[:4])).times(z)
+        weighted = self._pieces.solved(*(noise[name] for name in NAMES[:4])).times(z)
         trial = self.rows.readings.trial
         levels, *_ = self._levels(noise)
         both = levels.run_map + levels.machine_map
@@ -169,19 +172,19 @@ class AxisPart(ColumnsPart):
         first = np.zeros(1, dtype=np.intp)
 
         def of_trial(rows: Flags) -> Array:
-            grams = z[rows].T @ lent[rows]
+            grams = z[rows].T @ weighted[rows]
             others = grams[COLUMNS:, COLUMNS:]
             return Shared(grams[None, :COLUMNS], others, first, alone).rest
 
         return np.stack([of_trial(trial == place) for place in range(len(self.size))])
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
-        """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
+        """Return relative variances of friction between trials and between assemblies, (N, 2)."""
         variances = np.array([noise[NAMES[4]] ** 2, noise[NAMES[5]] ** 2])
         return np.tile(variances, (len(self.size), 1))
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
-        """Return residual forces in windows of some neighbouring rows."""
+        """Return residual forces in windows of :data:`GROUPED` neighbouring rows."""
         readings = self.rows.readings
         position, force, wander, length = (noise[name] for name in NAMES[:4])
         mean, first = self._pieces.grouped(GROUPED)
@@ -206,7 +209,7 @@ class AxisPart(ColumnsPart):
         where = {name: mean @ at for name, at in self.rows.covariates().items()}
         for axis in ("tension", "n_pulleys", "wrap_angle"):
             del where[axis]  # no cable
-        # Where nobody saw it turn, it is as far from there as it can be.
+        # Before the first reversal in the log, the travel since the last one is unknown: a stroke.
         travel = np.minimum(self.rows.mean(readings.travel), self.rows.stroke)
         order = mean @ np.broadcast_to(self.rows.state.order, (readings.count, 1))[:, 0]
         return Windows(
@@ -227,14 +230,14 @@ class AxisPart(ColumnsPart):
 
 
 def _noise(
-    readings: Readings, stroke: float, friction: float, again: bool, longest_s: float
+    readings: Readings, stroke: float, friction: float, is_repeated: bool, longest_s: float
 ) -> tuple[NoiseParameter, ...]:
-    """Return the noise of an axis, its priors in the axis' own measures.
+    """Return the noise parameters of an axis, with priors in the axis' own scales.
 
-    A force may be noisier than friction is large: its error is then what its samples show. Where
-    no assembly and no run comes `again`, an assembly's scatter is that of its run, and is not
-    counted twice: two wide priors on one variance would take a drift over runs for scatter.
-    Of one log alone, numbers are those of that log: nothing in it says how another would differ.
+    If the error of a force exceeds friction, the scale of its prior is estimated from the samples.
+    If no assembly and no run is repeated (`is_repeated` is false), scatter between assemblies
+    cannot be separated from scatter between runs and gets a narrow prior: two wide priors on one
+    variance would explain a drift over runs as scatter.
     """
     sd, force = readings.position_sd, max(friction, readings.force_sd)
     wide, along = HalfNormal(scale=0.05), HalfNormal(scale=0.02)
@@ -258,8 +261,8 @@ def _noise(
         noise_parameter(NAMES[4], wide, 0.012, SCATTER, 0.01, scatters=True),
         noise_parameter(
             NAMES[5],
-            wide if again else ONCE,
-            0.012 if again else 0.001,
+            wide if is_repeated else ONCE,
+            0.012 if is_repeated else 0.001,
             SCATTER,
             0.015,
             scatters=True,
@@ -286,8 +289,8 @@ def _noise(
 
 
 class LinearAxis(AxisRows):
-    """Rows of an axis, with which a diagnosis can be made."""
+    """Windows of an axis, as a diagnosis needs them."""
 
     def laid_out(self, model: ModelColumns, place: int) -> AxisPart:
-        """Return the rig with the columns of a model."""
+        """Return the windows with the columns of a model."""
         return AxisPart(self, model, place)

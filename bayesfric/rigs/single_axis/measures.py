@@ -1,7 +1,7 @@
 """Typical values of an axis, by which priors for the paper's boards are rescaled.
 
-A prior in metres or in newtons was argued for a board of 0.6 m travel, 1.3 m/s, about 1 N of
-friction and 1 kg. On an axis of any size the same shares of its own stroke, top speed, friction
+Priors in metres or newtons were chosen for a board with 0.6 m of travel, 1.3 m/s, about 1 N of
+friction and 1 kg. On an axis of another size, the same fractions of its stroke, top speed, friction
 and mass are as plausible.
 """
 
@@ -25,10 +25,10 @@ from bayesfric.rigs.single_axis.period import BESIDE_JOINTS, LEAST, SEARCHED, Wa
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 
 BOARD_M, BOARD_M_S = 0.6, 1.3
-SPREAD = 0.1  # of a load's length, by half a step between those that were tried
-PULLING = frozenset({"position", "angle"})  # needs of effects that pull towards a place
-LITTLE = 0.01  # of the drive force, that friction counts as at the least
-WIDE = 3.0  # times the rough value, of a prior that says little
+SPREAD = 0.1  # relative error of a load's length: half a step of the search
+PULLING = frozenset({"position", "angle"})  # needs of effects whose force depends on position
+LITTLE = 0.01  # least friction that is assumed, relative to the drive force
+WIDE = 3.0  # scale of a weak prior, relative to the rough value
 
 
 @dataclass(frozen=True)
@@ -41,33 +41,32 @@ class Measures:
         Range of positions, top speed, rough friction, rms drive force, rough mass, rms
         acceleration.
     known_mass, known_mass_sd : float or None
-        As written down, and its error.
+        Declared mass and its standard error.
     rotary : bool
-        Whether it turns.
+        Whether the axis is rotary.
     wave : Wave
-        The strongest along the path.
+        The strongest periodic force along the path.
     limit : Limit
-        The likeliest of the drive.
+        The most probable force limit of the drive.
     pull : float
-        Rms of the force that goes with the place, where it takes much of the force.
+        Rms of the force that depends on position; 0 if it is a small part of the force.
     lengths : mapping of str to ndarray
-        Of how a load is held: lengths at which it is followed [m or rad].
+        For ``play`` and ``spring``: lengths at which a load is simulated [m or rad].
     untold : frozenset of str
-        Of how a load is held: those that explain most at the longest length of all that were
-        tried, so that no length is better than those beside it, or at one that the positions do
-        not resolve.
+        Of ``play`` and ``spring``, those without a reliable length: the longest length fits best,
+        or positions do not resolve the best one.
     damping : float
-        Of a load's spring, over what is critical.
+        Damping ratio of a load's spring.
     mass_over_friction : float
-        Of a load on a spring: its share of the mass over that of the friction.
+        For a load on a spring: the ratio of its share of the mass to its share of the friction.
     carried : Carried or None
-        What the gear carries.
+        The loads of the gear.
     rough_mass : float
-        By least squares, whatever was written down.
+        Least-squares estimate of the mass, without the declared mass.
     both_ways : bool
-        Whether the axis runs both ways: else a constant force is friction.
+        Whether the axis moves in both directions. If not, a constant force counts as friction.
     relative : bool
-        Whether forces are over the unknown stiffness K of a servo.
+        Whether forces are relative to the unknown stiffness K of a servo.
     """
 
     stroke: float
@@ -92,13 +91,13 @@ class Measures:
     relative: bool = False
 
     def load(self, rows: Readings) -> Load:
-        """Return how a load follows in some rows."""
+        """Return a function that gives the motion of a load in the windows `rows`."""
         lengths = {held: self.stroke * shares for held, shares in LENGTHS.items()}
         slows = self.friction / (self.mass + rows.known_inertia)
-        return rows.followed.load(rows.place, slows, {**lengths, **self.lengths}, self.damping)
+        return rows.load_motions.load(rows.place, slows, {**lengths, **self.lengths}, self.damping)
 
     def unit(self, unit: str) -> str:
-        """Return a unit as it is here: radians for metres where the axis turns, and over K."""
+        """Convert a unit: to radians for a rotary axis, and over K for relative forces."""
         turned = rotary_unit(unit) if self.rotary else unit
         return over_stiffness(turned) if self.relative else turned
 
@@ -125,15 +124,15 @@ class Measures:
     def effect(self, effect: Effect) -> Effect:
         """Return an effect with rescaled priors."""
         if effect.needs & PULLING and self.pull:
-            # What pulls towards a place is counted in what pulls here, not in friction. Of a
-            # weight, which pulls with a sine, a small swing shows a part.
+            # A force that depends on position is scaled by the one that was found, instead of by
+            # friction. A small swing shows only a part of a weight's sine.
             shown = min(1.0, 0.5 * self.stroke) if "angle" in effect.needs else 1.0
             size = max(self.pull, self.friction) / shown
             return replace(self, friction=size, pull=0.0).effect(effect)
         shape = None if effect.shape is None else self._parameter(effect.shape)
         amplitude, laws = self._parameter(effect.amplitude), {**effect.laws, **effect.turning}
         if "travel_m" in effect.edge:
-            # A board starts from rest. An axis turns: its friction still has the other sign.
+            # A board starts from rest. An axis reverses, so its friction changes twice as much.
             low, high = amplitude.plausible
             amplitude = replace(
                 amplitude, prior=amplitude.prior.times(2), plausible=(2 * low, 2 * high)
@@ -169,10 +168,10 @@ class Measures:
 
     @property
     def priors(self) -> PriorOverrides:
-        """Priors of mass, Coulomb and viscous friction, in the places of c1, c2 and c3.
+        """Priors of mass (c1), Coulomb friction (c2) and viscous friction (c3).
 
-        A mass that somebody wrote down is held within its error. Otherwise the recording itself
-        says how large mass and friction can be: no more than takes all of the drive force.
+        The prior of a declared mass has its standard error. The scale of other priors is the value
+        that would take all of the drive force.
         """
         mass: Prior = HalfNormal(scale=max(self.force / self.acceleration, WIDE * self.mass))
         if self.known_mass is not None and self.known_mass_sd is not None:
@@ -192,13 +191,13 @@ def measures_of(
     Parameters
     ----------
     readings : Readings
-        Rows of all runs.
+        Windows of all runs.
     logs : sequence of EvenLog
         The runs.
     constants : RigConstants
-        What somebody wrote down of the machine.
+        The constants of the machine.
     limit : Limit
-        Of the drive.
+        Force limit of the drive.
     """
     speed = readings.speed @ readings.weights
     inside = limit.within(readings)
@@ -206,10 +205,10 @@ def measures_of(
     force = float(np.sqrt(np.mean(readings.force[inside] ** 2)))
     acceleration = float(np.sqrt(np.mean(readings.acceleration**2)))
     pulled_unmodelled = readings.beside.shape[1] > 0 and constants.robot is None
-    least = readings.position_sd / readings.half_s**2  # what the positions would not show
+    least = readings.position_sd / readings.half_s**2  # that the positions resolve
     pull = rough.pull
     if constants.rotary and not pulled_unmodelled and readings.swings_alike:
-        pull = max(pull, force, readings.weight_pulls)  # inertia stands for it in the rough law
+        pull = max(pull, force, readings.weight_pulls)  # the rough law took it for inertia
     return Measures(
         stroke=max(float(np.ptp(log.position)) for log in logs),
         speed=float(speed.max()),

@@ -1,4 +1,4 @@
-"""What in the log of an axis looks like a mistake of a unit, a sign or a plan."""
+"""Detects likely mistakes of units, signs or the experiment in the log of an axis."""
 
 from collections.abc import Iterator
 
@@ -9,10 +9,10 @@ from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.moved_otherwise import BACKWARDS, works_backwards
 from bayesfric.rigs.single_axis.readings import Readings
 
-DENSEST_S = 4e-5  # between samples: no joint's log is denser than 25 kHz
-MANY_TURNS_RAD = 40.0  # in a run, of a joint that something pulls to a place
-NEAR_ZERO = 0.05  # of the rms force
-OFTEN = 0.01  # of the windows
+DENSEST_S = 4e-5  # least plausible time between samples: 25 kHz
+MANY_TURNS_RAD = 40.0  # implausible range of a joint whose force depends on position
+NEAR_ZERO = 0.05  # force that counts as near zero, relative to the rms force
+OFTEN = 0.01  # share of the windows with such a force from which it may be a magnitude
 
 
 def likely_mistakes(
@@ -23,11 +23,11 @@ def likely_mistakes(
     Parameters
     ----------
     readings : Readings
-        Rows of all runs.
+        Windows of all runs.
     measures : Measures
-        Of the axis.
+        Scales of the recording.
     interval_s : float
-        Between samples [s].
+        Time between samples [s].
     viscous : bool
         Whether the law has viscous friction.
     """
@@ -43,18 +43,19 @@ def likely_mistakes(
     speed = readings.speed @ readings.weights
     if viscous and np.ptp(speed) < AXIS_RULES.one_speed * float(speed.max()):
         yield (
-            f"It runs at one speed, {speed.mean():.3g} {measures.unit('m')}/s, at which Coulomb "
-            "and viscous friction are one number: take --baseline coulomb, or run at others too"
+            f"The axis runs at one speed, {speed.mean():.3g} {measures.unit('m')}/s, at which "
+            "Coulomb and viscous friction cannot be separated: use --baseline coulomb, or run at "
+            "other speeds too"
         )
     if measures.rotary and measures.pull and measures.stroke > MANY_TURNS_RAD:
         yield (
             f"The joint turns by {measures.stroke:,.0f} rad ({measures.stroke / 2 / np.pi:,.0f} "
-            "turns), and something pulls it to a place: are its positions in degrees, or those "
-            "of a motor before its gear?"
+            "turns), and its force depends on position: are its positions in degrees, or those of "
+            "a motor before its gear?"
         )
 
 
 def _is_magnitude(readings: Readings, force: float) -> bool:
     size = readings.drive @ readings.weights
-    crosses = (size > 0) & (size < NEAR_ZERO * force)  # and not: is off
+    crosses = (size > 0) & (size < NEAR_ZERO * force)  # 0 itself may be a drive that is off
     return bool(readings.drive.min() >= 0 and np.mean(crosses) > OFTEN)

@@ -19,7 +19,7 @@ from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rough import pull_columns
 
-SURELY = 4.0  # standard errors
+SURELY = 4.0  # least distance from 0 of an estimate that is certainly negative [standard errors]
 
 
 class MovedOtherwise(NamedTuple):
@@ -65,11 +65,11 @@ def moved_otherwise(readings: Readings, measures: Measures, inside: Flags) -> Mo
     Parameters
     ----------
     readings : Readings
-        Rows of all runs.
+        Windows of all runs.
     measures : Measures
-        Of the axis.
+        Scales of the recording.
     inside : ndarray of bool, shape (W,)
-        Rows within the drive's limit.
+        Windows within the drive's limit.
     """
     if works_backwards(readings):
         return BACKWARDS
@@ -81,13 +81,13 @@ def moved_otherwise(readings: Readings, measures: Measures, inside: Flags) -> Mo
     size = float(np.sqrt(np.mean((readings.drive @ readings.weights) ** 2)))
     if max(moved, friction) >= AXIS_RULES.no_friction * size:
         return None
-    # Numbers of the rough law are never below 0; negative ones show in the reversed force.
+    # Coefficients of the rough law are never below 0; the reversed force shows negative ones.
     reverse = _law_forces(replace(readings, force=-force), measures, inside)
     return BY_HAND if max(reverse) < AXIS_RULES.no_friction * size else BACKWARDS
 
 
 def _law_forces(readings: Readings, measures: Measures, inside: Flags) -> tuple[float, float]:
-    """Return the forces of inertia and friction by the rough law."""
+    """Return the rms force of inertia and friction at top speed, by the rough law."""
     rough = rough_law_of(readings, inside)
     friction = rough.coulomb + rough.viscous * measures.speed
     return rough.mass * measures.acceleration, friction
@@ -112,17 +112,17 @@ def works_backwards(readings: Readings) -> bool:
         return False
     columns = columns / np.maximum(np.abs(columns).max(axis=0), 1e-300)
     numbers = np.linalg.lstsq(columns, readings.force, rcond=None)[0]
-    left = readings.force - columns @ numbers
+    residual = readings.force - columns @ numbers
     inertia, friction = np.zeros((2, numbers.size))
     inertia[0], friction[1:3] = 1.0, columns[:, 1:3].mean(axis=0)
     inverse = np.linalg.pinv(columns.T @ columns)
-    of_windows = np.mean(left**2) * inverse
+    of_windows = np.mean(residual**2) * inverse
     if not _in_errors(friction, numbers, of_windows) < -SURELY:
         return False
     if _in_errors(inertia, numbers, of_windows) < -SURELY:
         return True
     names, stretch = np.unique(readings.piece, return_inverse=True)
-    of_stretches = clustered_covariance(columns, left, stretch, inverse)
+    of_stretches = clustered_covariance(columns, residual, stretch, inverse)
     return (
         names.size >= AXIS_RULES.least_pieces
         and _in_errors(friction, numbers, of_stretches) < -SURELY

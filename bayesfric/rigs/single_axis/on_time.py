@@ -29,13 +29,13 @@ from bayesfric.rigs.single_axis.windows import (
     widest_half_s,
 )
 
-MARGIN_S = 1e-3  # by which two clocks may be off at the least
-WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
-REACH_S = 1.1  # looked at, either way: a second is set right
-OF_A_RUN = 0.15  # of the shortest run, no more of which is looked at
-STEPS = 40  # tried either way
+MARGIN_S = 1e-3  # least standard deviation of the offset between two clocks
+WITHIN = 12**-0.5  # rms offset of two readings at random times within an interval [interval]
+REACH_S = 1.1  # largest shift that is tried, in either direction
+OF_A_RUN = 0.15  # largest shift that is tried, relative to the shortest run
+STEPS = 40  # shifts that are tried in either direction
 LAGS = 12  # time constants that are tried
-ROWS = 1500  # that tell it
+ROWS = 1500  # most windows that are used
 
 
 def margin_s(interval_s: float) -> float:
@@ -44,7 +44,7 @@ def margin_s(interval_s: float) -> float:
     Parameters
     ----------
     interval_s : float
-        Between samples, any time within which two columns may have been read.
+        Time between samples; two columns of a row may be read at any time within it [s].
     """
     return float(np.hypot(MARGIN_S, WITHIN * interval_s))
 
@@ -76,18 +76,18 @@ def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) 
     logs : sequence of EvenLog
         Runs.
     resolution : float or None
-        Of the encoder.
+        Resolution of the encoder.
     margin_s : float
-        By which the clocks of force and position may be off, and a force may be early [s].
+        Time by which a force may be early without a shift [s].
     """
     squares = _Squares.of(logs, resolution)
     if squares is None:
         return OnTime(tuple(logs))
-    reach_s = squares.reach_s  # beyond it a window of the force leaves its run
+    reach_s = squares.reach_s  # a larger shift would move windows of the force out of their run
     step = reach_s / STEPS
     delays = step * np.arange(-STEPS, STEPS + 1)
-    left = np.array([squares.delayed(late) for late in delays])
-    best = float(delays[np.argmin(left)])
+    squares_of_delays = np.array([squares.delayed(late) for late in delays])
+    best = float(delays[np.argmin(squares_of_delays)])
     nearest = scipy.optimize.minimize_scalar(
         squares.delayed,
         bounds=(max(best - step, -reach_s), min(best + step, reach_s)),
@@ -105,7 +105,7 @@ def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) 
         acts = "later" if best > 0 else "earlier"
         why = (
             f"the force fits best where it acts {reach_s:.2g} s {acts} than it stands in the log, "
-            "and nothing further is looked at: set the clocks of force and positions right"
+            "and larger shifts are not tried: correct the clocks of force and positions"
         )
         return OnTime(tuple(logs), why_refused=why)
     return OnTime(tuple(_moved(log, late_s) for log in logs), late_s)
@@ -125,11 +125,11 @@ class _Squares(NamedTuple):
     Parameters
     ----------
     means : tuple of (EvenLog, ndarray, ndarray, ndarray, ndarray)
-        Of each run: itself, φ, the windows' middles, their way, and the known force there.
+        For each run: the log, φ, and for its windows the middles, directions and known forces.
     basis : ndarray, shape (W, k)
-        An orthonormal basis of the law's columns.
+        Orthonormal basis of the law's columns.
     reach_s : float
-        Looked at, either way [s].
+        Largest shift that is tried, in either direction [s].
     """
 
     means: tuple[tuple[EvenLog, Array, Array, Array, Array], ...]
@@ -138,7 +138,7 @@ class _Squares(NamedTuple):
 
     @classmethod
     def of(cls, logs: Sequence[EvenLog], resolution: float | None) -> "_Squares | None":
-        """Return rows whose windows stay inside their runs for every shift of the force."""
+        """Return the squares of windows that stay inside their runs for every shift."""
         noise = position_sd(logs, resolution)
         half_s = widest_half_s(logs, noise)
         stroke = max(float(np.ptp(log.position)) for log in logs)
@@ -160,7 +160,7 @@ class _Squares(NamedTuple):
             modelled = whole - part["way"] * part["force"]
             means.append((log, test.value, part["centre"], part["way"], modelled))
         if not any(part["centre"].size for part in parts):
-            return None  # every run is too short for a force that is moved
+            return None  # every run is too short
         columns = _columns(parts)
         if len(columns) < AXIS_RULES.rows_a_number * columns.shape[1]:
             return None
@@ -188,21 +188,21 @@ class _Squares(NamedTuple):
                 for mean, (*_, way, modelled) in zip(forces, self.means, strict=True)
             ]
         )
-        rest = force - self.basis @ (self.basis.T @ force)
-        return float(rest @ rest)
+        residual = force - self.basis @ (self.basis.T @ force)
+        return float(residual @ residual)
 
 
 LAW = ("centre", "way", "force", "acceleration", "speed", "position", "beside")
 
 
 def _columns(parts: Sequence[dict[str, Array]]) -> Array:
-    """Return the columns of a rough law with what pulls by place, shape (W, k)."""
+    """Return the columns of a rough law with forces of the position, shape (W, k)."""
     acceleration, way = joined(parts, "acceleration"), joined(parts, "way")
     position = np.concatenate([part["position"] for part in parts])
     weights = node_weights()[1]
     speed = np.concatenate([part["speed"] for part in parts]) @ weights
     columns = [acceleration, np.ones_like(acceleration), speed]
-    # Over a wide window a weight's mean pull is not that at its mean place.
+    # In a wide window, the mean force of a weight differs from that at the mean position.
     inside = np.repeat(way, weights.size)
     pull = pull_columns(position.ravel(), inside).reshape(*position.shape, -1)
     pull = np.einsum("wpk,p->wk", pull, weights)
@@ -212,7 +212,7 @@ def _columns(parts: Sequence[dict[str, Array]]) -> Array:
 
 
 def _mean_at(force: Array, value: Array, middles: Array) -> Array:
-    """Return ∫ φ F dt around places between samples, shape (W,)."""
+    """Return ∫ φ F dt around times between samples, shape (W,)."""
     whole = np.floor(middles).astype(np.intp)
     part = (middles - whole)[:, None]
     at = whole[:, None] + np.arange(value.size) - value.size // 2

@@ -1,8 +1,9 @@
 """Forces on a joint by other joints of the machine, and by the machine's model.
 
-With a model p and r of the joint (:mod:`bayesfric.robots.dynamics`) give the known part of the
-drive force, −∫ φ' p − ∫ φ r, and the errors of its links give forces of unknown amounts. Without
-one, the forms of :mod:`.coupling` stand for it; what a payload adds is in :mod:`.payloads`.
+With a model, the joint's momentum p and pull r (:mod:`bayesfric.robots.dynamics`) give the known
+part of the drive force, −∫ φ' p − ∫ φ r, and errors of the links give forces of unknown amounts.
+Without a model, the forces of :mod:`.coupling` are used instead. Forces of payloads are in
+:mod:`.payloads`.
 """
 
 from collections.abc import Mapping
@@ -31,21 +32,21 @@ from bayesfric.rigs.single_axis.simulated import log_of
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 from bayesfric.robots import PARAMETERS, RigidBodies, robot_of_bytes, root_of_errors
 
-CHUNK = 2048  # samples whose dynamics are computed at a time
+CHUNK = 2048  # samples whose dynamics are computed together
 
 
 @dataclass(frozen=True)
 class Machine:
-    """A joint among others.
+    """A joint with the other joints of its machine.
 
     Parameters
     ----------
     axis : Axis
-        Samples of all joints, those of this one apart.
+        Samples of this joint and of the others.
     constants : RigConstants
-        The machine.
+        The constants of the machine.
     bodies : RigidBodies or None
-        Its model.
+        Model of the machine, if there is one.
     """
 
     axis: Axis
@@ -54,14 +55,14 @@ class Machine:
 
     @property
     def joints(self) -> list[str]:
-        """Names in the order of the log; that of this one is empty where nobody named it."""
+        """Names of all joints in the order of the log; that of this joint may be empty."""
         names = list(self.axis.others)
         names.insert(self.axis.place, self.joint)
         return names
 
     @property
     def joint(self) -> str:
-        """Name of this joint in the log."""
+        """Name of this joint in the log; empty if it has none."""
         if self.axis.joint is not None:
             return self.axis.joint
         robot, named = self.constants.robot, joints_of(self.axis)
@@ -77,7 +78,7 @@ class Machine:
 
     @property
     def settings(self) -> Mapping[str, float]:
-        """What the model has for numbers of the law, by name; empty without a model."""
+        """Values of the law's coefficients in the model, by name; empty without a model."""
         if self.bodies is None:
             return {}
         place = self.bodies.robot.joints.index(self.joint)
@@ -87,11 +88,11 @@ class Machine:
     def amounts_before(self) -> ModelAmounts:
         """Return the prior of the errors of the model.
 
-        What payloads add moves no number of the model.
+        The amounts include those of payloads, which change no parameter of the model.
         """
         assert self.bodies is not None
         root = root_of_errors(self.bodies)
-        root = np.column_stack([root, np.zeros((len(root), self.known_amounts))])
+        root = np.column_stack([root, np.zeros((len(root), self.payload_amounts))])
         units = {"m": "kg", "h": "kg·m", "i": "kg·m²"}
         names = tuple(
             (link, number, units[number[0]]) for link in self.bodies.links for number in PARAMETERS
@@ -123,14 +124,14 @@ class Machine:
             share = known_to(log.known_force, self._scales)
             log = replace(log, beside=(share,), known_to_a_share=True)
         shares = self._payloads.get(run, ())
-        if log.forces or not shares:  # a simulator in the law's place says the whole force
+        if log.forces or not shares:  # a simulator's force contains the payload
             return log
         more = payload_forces(paths[self.joint], log, shares, self._scales, self.constants.rotary)
         return replace(log, beside=(*log.beside, *more))
 
     @cached_property
     def others_move(self) -> bool:
-        """Whether another joint that is logged moves in any run."""
+        """Whether another logged joint moves in any run."""
         return any(
             moves(path)
             for samples in self.axis.others.values()
@@ -143,7 +144,7 @@ class Machine:
 
     @cached_property
     def _scales(self) -> Scales:
-        """Of all runs: one amount is one force, whatever run it is of."""
+        """Scales of the whole recording, so that an amount is the same force in every run."""
         own = _logs_of(self.axis.samples, self.constants)
         paths = [path_of(log) for log in own]
         for samples in self.axis.others.values():
@@ -151,7 +152,7 @@ class Machine:
         return scales_of(own, paths, self.constants.known_force_sd, self._resting())
 
     def _resting(self) -> list[Array]:
-        """Return forms of gravity and friction in each run; none where a run lacks a joint."""
+        """Return forms of gravity and friction in each run; empty if a run lacks a joint."""
         forms, place = [], self.joints.index(self.joint)
         for run in self.axis.samples["run"].unique():
             log, others = _log_of_run(self.axis.samples, run, self.constants), self._others_in(run)
@@ -166,7 +167,7 @@ class Machine:
         return forms
 
     def _others_in(self, run: str) -> dict[str, EvenLog] | None:
-        """Return logs of the other joints in a run, by name; None where one has none."""
+        """Return logs of the other joints in a run, by name; None if one has no log."""
         logs = {}
         for name, samples in self.axis.others.items():
             other = _log_of_run(samples, run, self.constants)
@@ -176,19 +177,19 @@ class Machine:
         return logs
 
     @property
-    def known_amounts(self) -> int:
-        """How many of the forces beside the law are what payloads add, the last of all."""
+    def payload_amounts(self) -> int:
+        """Number of forces of payloads, which are the last of the forces beside the law."""
         shares = next(iter(self._payloads.values()), ())
         return len(shares) * (3 if self.constants.rotary else 2)
 
 
 def machine_of(axis: Axis, constants: RigConstants) -> Machine:
-    """Return the machine that a joint is of, its model read.
+    """Return the machine of a joint, with its model if it has one.
 
     Raises
     ------
     InputError
-        The model cannot be used.
+        If the model cannot be used.
     """
     machine = Machine(axis, constants)
     robot = constants.robot
@@ -218,7 +219,7 @@ def _log_of_run(samples: pd.DataFrame, run: str, constants: RigConstants) -> Eve
 def _with_model(
     log: EvenLog, joint: str, paths: Mapping[str, Path], bodies: RigidBodies
 ) -> EvenLog:
-    """Return a run with the model's torque, which is known, and with what its errors may add."""
+    """Return a run with the model's torque as its known force, and forces of the model's errors."""
     names = list(bodies.robot.joints)
     place = names.index(joint)
     position = np.stack([paths[name].position for name in names], axis=1)
@@ -236,7 +237,7 @@ def _with_model(
     inertia = bodies.momentum_and_pull(position[:: CHUNK // 8], own)[0][:, place].mean()
     forces = [WeakForce(-pull[:, k], momentum=momentum[:, k]) for k in range(mixtures.shape[1])]
     known_force = log.known_force
-    if known_force is None and not log.forces:  # a simulator in the place of the law says it all
+    if known_force is None and not log.forces:  # a simulator's force contains it
         known_force = forces[0]
     return replace(
         log, known_force=known_force, beside=tuple(forces[1:]), known_inertia=float(inertia)

@@ -1,4 +1,4 @@
-"""Passes of an axis from one reversal to the next, which friction may remember."""
+"""Passes of an axis from one reversal to the next, and its rests; friction may depend on both."""
 
 from itertools import pairwise
 
@@ -6,25 +6,26 @@ import numpy as np
 
 from bayesfric.arrays import Array
 
-REMEMBERED = 4  # passes before the present one
+REMEMBERED = 4  # earlier passes that friction may depend on
 
 
 def passes_of(position: Array, way: Array, unseen: float) -> tuple[Array, Array]:
-    """Return the travel since the axis last turned, and that of the passes before.
+    """Return the travel since the last reversal, and the travel of earlier passes.
 
     Parameters
     ----------
     position, way : ndarray, shape (N,)
-        Where it is, and 1, −1 or, where nobody knows, 0 for the way that it runs.
+        Position [m or rad], and direction: 1, −1, or 0 if unknown.
     unseen : float
-        Travel of a pass whose beginning nobody saw.
+        Travel of a pass that began before the log [m or rad].
 
     Returns
     -------
     travel : ndarray, shape (N,)
-        `unseen` before the first turn, or the travel from where a log begins at rest.
+        Travel since the last reversal. Before the first reversal it is `unseen`, or the travel
+        from the start of the log if the log begins at rest.
     before : ndarray, shape (N, REMEMBERED)
-        The last pass first.
+        Travel of the earlier passes, the latest first.
     """
     moving = np.flatnonzero(way)
     travel = np.full(position.size, unseen)
@@ -34,30 +35,30 @@ def passes_of(position: Array, way: Array, unseen: float) -> tuple[Array, Array]
     turned = np.flatnonzero(np.diff(way[moving]))
     turns = moving[turned + 1]
     last = np.searchsorted(turns, np.arange(position.size), side="right") - 1
-    # It turned at the last extreme, somewhere between two samples whose way is known.
+    # A reversal is at the extreme position between two samples of known, opposite directions.
     extremes = np.array(
         [_extreme(position, int(moving[place]), int(moving[place + 1])) for place in turned]
     )
     if way[0] == 0:
         travel = np.abs(position - position[0])
     if extremes.size:
-        seen = last >= 0
-        travel[seen] = np.abs(position[seen] - extremes[last[seen]])
+        after_reversal = last >= 0
+        travel[after_reversal] = np.abs(position[after_reversal] - extremes[last[after_reversal]])
         strokes = np.concatenate([np.full(REMEMBERED, unseen), np.abs(np.diff(extremes))])
-        ago = last[seen, None] - 1 - np.arange(REMEMBERED)
-        before[seen] = strokes[np.maximum(ago + REMEMBERED, 0)]
+        ago = last[after_reversal, None] - 1 - np.arange(REMEMBERED)
+        before[after_reversal] = strokes[np.maximum(ago + REMEMBERED, 0)]
     return travel, before
 
 
 def rests_of(position: Array, way: Array, interval_s: float) -> tuple[Array, Array]:
-    """Return how long the axis rested before it moved as it does, and its travel since.
+    """Return the duration of the last rest before the present motion, and the travel since.
 
     Parameters
     ----------
     position, way : ndarray, shape (N,)
-        Where it is, and 1, −1 or, where it is not known to run, 0.
+        Position [m or rad], and direction: 1, −1, or 0 where the axis is not known to move.
     interval_s : float
-        Between samples.
+        Time between samples [s].
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The path of a joint, smoothed: what its place and speed do to other joints, and to a payload."""
+"""The smoothed path of a joint, for the forces that its motion causes on joints and payloads."""
 
 from dataclasses import dataclass
 
@@ -8,24 +8,24 @@ import scipy
 from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.even_log import EvenLog, local_polynomial, position_noise
 
-DEGREE = 3  # of the polynomial by which a path is smoothed
-FINE = 0.003  # of the top speed, to which a smoothed speed is told
-LEAST_HALF, MOST_S = 4, 0.1  # samples on either side; and no more than so long [s]
-SHOWN = 20.0  # errors of a position, by which a joint moves that moves
+DEGREE = 3  # degree of the smoothing polynomial
+FINE = 0.003  # error of a smoothed speed that is small enough, relative to the top speed
+LEAST_HALF, MOST_S = 4, 0.1  # least samples, and longest time [s], on either side
+SHOWN = 20.0  # range of positions from which a joint moves, in standard errors of a position
 
 
 @dataclass(frozen=True)
 class Path:
-    """Where a joint is, (N,) each, on the grid of another.
+    """The smoothed path of a joint.
 
     Parameters
     ----------
     position, velocity : ndarray, shape (N,)
-        Smoothed.
+        Smoothed, at the samples of its own log or of another joint's [m or rad], [m/s or rad/s].
     error : float
-        Standard deviation of a position as it was measured.
+        Standard deviation of a measured position [m or rad].
     interval_s : float
-        Between samples of the joint's own log.
+        Time between samples of the joint's own log [s].
     """
 
     position: Array
@@ -35,24 +35,24 @@ class Path:
 
 
 def path_of(log: EvenLog, time_s: Array | None = None) -> Path:
-    """Return a joint's smoothed path, at other times where such are given.
+    """Return a joint's smoothed path.
 
     Parameters
     ----------
     log : EvenLog
-        Of the joint.
+        The log of the joint.
     time_s : ndarray, shape (N,), or None
-        Times [s]; None is those of the log.
+        Times of the result [s]; None means the times of the log.
     """
     noise, step = position_noise(log, None), log.interval_s
-    most = max(LEAST_HALF, min(round(MOST_S / step), (log.time_s.size - 1) // 2))
+    largest_half = max(LEAST_HALF, min(round(MOST_S / step), (log.time_s.size - 1) // 2))
     half = LEAST_HALF
-    while half < most:
+    while half < largest_half:
         kernel = scipy.signal.savgol_coeffs(2 * half + 1, DEGREE, deriv=1, delta=step)
         velocity = local_polynomial(log.position, half, DEGREE, slope=True) / step
         if noise * np.linalg.norm(kernel) < FINE * np.abs(velocity).max():
             break
-        half = min(most, half + max(1, half // 4))
+        half = min(largest_half, half + max(1, half // 4))
     position = local_polynomial(log.position, half, DEGREE)
     velocity = local_polynomial(log.position, half, DEGREE, slope=True) / step
     if time_s is None:
@@ -66,5 +66,5 @@ def path_of(log: EvenLog, time_s: Array | None = None) -> Path:
 
 
 def moves(path: Path) -> bool:
-    """Return whether a joint is seen to move."""
+    """Return whether the log shows that a joint moves."""
     return bool(np.ptp(path.position) > SHOWN * path.error)

@@ -1,8 +1,9 @@
-"""What a payload that is written down adds to the force of a joint, in every run that carries it.
+"""Forces of recorded payloads on a joint.
 
-A mass m at a distance l and an angle α adds m g l sin(q + α) + m l² q̈, and on a slide its weight
-along it and m q̈. Mass is in a column of ``axis_runs.csv`` whose name ends in ``_kg``; g l, α and
-l² nobody knows, so that each run has its share of forces of unknown amounts.
+On a rotary joint, a mass m at a distance l and an angle α adds m g l sin(q + α) + m l² q̈. On a
+linear axis it adds m q̈ and the component of its weight along the axis. The mass is recorded in a
+column of ``axis_runs.csv`` whose name ends in ``_kg``. The distance, the angle and the inclination
+are unknown, so the forces have unknown amounts, and each run has a share of them by its payload.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,11 +16,11 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.paths import Path
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-MASS = "_kg"  # at the end of a column's name
+MASS = "_kg"  # ends the name of a column of masses
 
 
 def payload_shares(runs: pd.DataFrame) -> Mapping[str, tuple[float, ...]]:
-    """Return what each run carries beyond the least of all, as a share of the largest, by name.
+    """Return the payload of each run, from 0 for the smallest to 1 for the largest.
 
     Parameters
     ----------
@@ -29,7 +30,7 @@ def payload_shares(runs: pd.DataFrame) -> Mapping[str, tuple[float, ...]]:
     Returns
     -------
     mapping of str to tuple of float
-        A number for each column of masses that varied.
+        By the name of the run: a value for each column of masses that varied.
     """
     columns = [str(name) for name in runs if str(name).endswith(MASS)]
     values = runs[columns].to_numpy(dtype=np.float64)
@@ -41,9 +42,9 @@ def payload_shares(runs: pd.DataFrame) -> Mapping[str, tuple[float, ...]]:
 
 
 def payload_masses(runs: pd.DataFrame) -> Mapping[str, float]:
-    """Return what each run carries beyond the least of all [kg], by name.
+    """Return by how much the payload of each run exceeds the smallest payload, by name [kg].
 
-    Nothing where no column of masses varied, or several did: they may be at different places.
+    Empty unless exactly one column of masses varied: several masses may be at different distances.
 
     Parameters
     ----------
@@ -63,20 +64,20 @@ def payload_masses(runs: pd.DataFrame) -> Mapping[str, float]:
 def payload_forces(
     path: Path, log: EvenLog, shares: Sequence[float], scales: Scales, rotary: bool
 ) -> list[WeakForce]:
-    """Return forces that payloads may add in a run, each of an unknown amount.
+    """Return forces that payloads may add in a run, for amounts of 1.
 
     Parameters
     ----------
     path : Path
-        Of the joint.
+        The path of the joint.
     log : EvenLog
         The run.
     shares : sequence of float
-        Of :func:`payload_shares`.
+        The run's payloads by :func:`payload_shares`.
     scales : Scales
-        Of the recording.
+        Scales of the recording.
     rotary : bool
-        Whether the joint turns.
+        Whether the joint is rotary.
     """
     ones, nothing = np.ones(log.time_s.size), np.zeros(log.time_s.size)
     pulls = [np.sin(path.position), np.cos(path.position)] if rotary else [ones]

@@ -1,4 +1,4 @@
-"""The period, along the path, of a force that comes back: looked for among all waves."""
+"""Searches for the period, along the path, of a periodic force such as cogging."""
 
 from typing import NamedTuple
 
@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.readings import Readings
 
-LEAST, MOST = 2.0, 100.0  # waves over the path that are looked for
+LEAST, MOST = 2.0, 100.0  # range of the search [waves over the path]
 BESIDE_JOINTS = 5.0
-"""The least where other joints are logged and no model says how they pull: what varies as slowly
-over the stroke is theirs as well as the drive's, and poles and teeth come closer."""
-APART = 0.25  # waves over the path, between two that are tried
-PHASES = 6  # that tell a wave from its neighbours
+"""The least number of waves if other joints are logged without a model of their forces. A slower
+variation may be a force of these joints, and motor poles and gear teeth have shorter periods."""
+APART = 0.25  # step of the search [waves over the path]
+PHASES = 6  # phases of a wave that count as different
 SEARCHED = round(2 * (MOST - LEAST)) * PHASES
-"""Waves that data can tell apart: half a wave more over the path is another."""
-FINER = np.linspace(-1.0, 1.0, 21)
+"""Number of waves that data can distinguish: their numbers over the path differ by a half."""
+FINER = np.linspace(-1.0, 1.0, 21)  # steps of the finer search around the best wave [APART]
 
 
 class Wave(NamedTuple):
@@ -25,11 +25,11 @@ class Wave(NamedTuple):
     Parameters
     ----------
     period : float
-        [m or rad].
+        Period [m or rad].
     start : float
-        Where it rises through zero, near the middle of the path [m or rad].
+        Position near the middle of the path at which the sine rises through zero [m or rad].
     spread : float
-        Relative error of the period, by half a wave over the whole path.
+        Relative error of the period, 0.25 over the number of waves along the path.
     """
 
     period: float
@@ -38,16 +38,16 @@ class Wave(NamedTuple):
 
 
 def strongest_wave(readings: Readings, least: float = LEAST) -> Wave:
-    """Return the wave that takes most of the force which the law leaves.
+    """Return the wave that reduces the squared residuals of the law most.
 
-    The law, and what is smooth in the position, is fitted along with it by least squares.
+    The law and a smooth function of position are fitted together with the wave by least squares.
 
     Parameters
     ----------
     readings : Readings
-        Rows; positions inside a window are averaged as the force is.
+        Windows. The wave is averaged over each window with the weights of its force.
     least : float
-        Waves over the path, from which on it is looked.
+        Least number of waves over the path.
     """
     low, span = float(readings.position.min()), float(np.ptp(readings.position)) or 1.0
     middle = low + 0.5 * span
@@ -60,23 +60,23 @@ def strongest_wave(readings: Readings, least: float = LEAST) -> Wave:
         axis=1,
     )
     basis = np.linalg.qr(fixed_waves / np.maximum(np.abs(fixed_waves).max(axis=0), 1e-300))[0]
-    left = readings.force - basis @ (basis.T @ readings.force)
+    residual = readings.force - basis @ (basis.T @ readings.force)
 
     def numbers(turned: NDArray[np.complex128]) -> tuple[float, Array]:
-        """Return what a wave takes off the squares, and its cosine's and sine's amplitudes.
+        """Return by how much a wave reduces the squares, and amplitudes of its cosine and sine.
 
-        The wave is given as exp(i angle) inside each window.
+        `turned` is exp(i angle) of the wave at places inside each window.
         """
         mean = turned @ readings.weights * readings.way
         pair = np.stack([mean.real, mean.imag])
         pair = pair.T - basis @ (basis.T @ pair.T)
-        pair_numbers = np.linalg.lstsq(pair, left, rcond=1e-6)[0]
-        return float(left @ pair @ pair_numbers), np.asarray(pair_numbers, dtype=np.float64)
+        pair_numbers = np.linalg.lstsq(pair, residual, rcond=1e-6)[0]
+        return float(residual @ pair @ pair_numbers), np.asarray(pair_numbers, dtype=np.float64)
 
     turn = 2j * np.pi * place
     tried = np.arange(least, MOST, APART)
     turned, further, taken = np.exp(least * turn), np.exp(APART * turn), []
-    for _ in tried:  # a product is much quicker than a cosine and a sine
+    for _ in tried:  # a product is much faster than a cosine and a sine
         taken.append(numbers(turned)[0])
         turned *= further
     best = tried[np.argmax(taken)]

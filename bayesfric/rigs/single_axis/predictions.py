@@ -1,4 +1,4 @@
-"""Runs of an axis: friction as it was seen, and predicted."""
+"""Estimated and predicted friction of the runs of an axis."""
 
 import pandas as pd
 import xarray as xr
@@ -9,14 +9,14 @@ from bayesfric.rigs.single_axis.likelihood import AxisModel
 
 
 def runs(model: AxisModel, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
-    """Return friction observed, and predicted for a new run on a new assembly.
+    """Return estimated friction, and friction predicted for a new run on a new assembly.
 
     Parameters
     ----------
     model : AxisModel
-        Of the fit.
+        Likelihood of the fit.
     recorded : DataFrame
-        All runs as recorded, for their order.
+        Table of all recorded runs, which gives their order.
     view : Predictive
         The fit.
     """

@@ -1,4 +1,4 @@
-"""All runs reduced, once, to rows that are linear in mass and friction."""
+"""Reduces all runs to windows, whose forces are linear in mass and friction."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -10,77 +10,80 @@ from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import Mixing, leading, rough_amounts
 from bayesfric.rigs.single_axis.even_log import EvenLog, given, sample_noise
-from bayesfric.rigs.single_axis.following import DrivePath, Followed
+from bayesfric.rigs.single_axis.following import DrivePath, LoadMotions
 from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.rough import SINGULAR, RoughLaw, pull_columns, rough_law
 from bayesfric.rigs.single_axis.run_rows import rows_of_run
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 from bayesfric.rigs.single_axis.windows import half_samples, late_by, position_sd, window_width
 
-FOLLOWED = 12  # samples in half a window, of the path along which loads are followed
-SPARSE = 24  # windows, below which they lie closer: their errors hang together the more
-CLOSER = 0.5
-PIECE = 16  # rows of a stretch whose friction wanders as one
-FEW_ROWS = 3  # for each number of a curve over the place
+SAMPLES_PER_HALF = 12  # least samples in half a window for which loads are simulated
+SPARSE = 24  # with fewer windows they overlap more, and their errors are more correlated
+CLOSER = 0.5  # distance of these windows [half-widths]
+PIECE = 16  # most windows of a stretch within which the wander is correlated
+FEW_ROWS = 3  # least windows for each coefficient of a curve over position
 LEVER = ("gravity_sine", "gravity_cosine")
-"""What a weight on a lever pulls with, where it is a part of the law: the last of `beside`."""
+"""Forces of a weight on a lever, if they belong to the law: the last columns of `beside`."""
 
 
 @dataclass(frozen=True)
 class Readings:
-    """W rows: mean forces over windows, in the direction of the motion.
+    """W windows, with their mean forces in the direction of the motion.
 
     Parameters
     ----------
     trial : ndarray of int, shape (W,)
-        Place of the trial, ascending.
+        Index of the trial, ascending.
     piece : ndarray of int, shape (W,)
-        Number of the stretch of neighbours, at most :data:`PIECE` each, ascending.
+        Number of the stretch of neighbouring windows, at most :data:`PIECE` each, ascending.
     way : ndarray, shape (W,)
-        1 or −1.
+        Direction of the motion, 1 or −1.
     force, acceleration : ndarray, shape (W,)
-        ∫ φ F dt, without what is known of it, and ∫ φ'' q dt, times the direction.
+        ∫ φ F dt minus the known force, and ∫ φ'' q dt, times the direction.
     force_rate, lagging_rate, force_curvature : ndarray, shape (W,)
-        −∫ φ' F dt and ∫ φ'' F dt, times the direction. The first rate is of the force earlier
-        by half of what it is late: F(t) − F(t − d) is d F'(t − d/2) up to the third order. The
-        other is that of what an actuator gives which lags by as much.
+        Derivatives of the force in time, times the direction: −∫ φ' F dt, the same rate of an
+        actuator that follows the force with a lag, and ∫ φ'' F dt. If the force is late by d, the
+        first rate is taken d/2 earlier, because F(t) − F(t − d) = d F'(t − d/2) up to third order.
     time_s : ndarray, shape (W,)
-        Of the window's middle.
+        Time of the window's middle [s].
     speed, travel, position, drive : ndarray, shape (W, P)
-        At places inside: speed, travel since the last reversal, position and drive force.
+        At P places inside each window: speed, travel since the last reversal, position and drive
+        force.
     passes : ndarray, shape (W, E)
-        Travel of the passes before the present one, the last first.
+        Travel of the passes before the present one, the latest first.
     dwell_s, since_rest, temperature : ndarray, shape (W,)
-        How long it rested before it moved as it does, travel since then, and the temperature;
-        nan where none was logged.
+        Duration of the last rest before the present motion [s], travel since then, and
+        temperature; nan if none was logged [°C].
     known_held, known_moved : ndarray, shape (W, P)
-        At places inside, along the position: what is known of the load and is not in `force`.
+        The known load, which is not in `force`, positive along the position: its part held
+        against gravity or springs, and its inertial part.
     position_lag, force_lag : ndarray, shape (W, L)
-        Covariance of a row with the l-th next by an error of position of 1, at every sample
-        its own, per mass squared; and by an error of the force, of 1 where it is quiet.
+        Covariance of a window with the l-th next one. `position_lag` is that of independent
+        errors of positions with standard deviation 1, per mass squared; `force_lag` that of
+        errors of the force, whose standard deviation is 1 where the force is smooth.
     held_lag : ndarray, shape (W, L, 3)
-        Of a servo, the further covariances by an error of position of 1: by stiffness, per
-        stiffness squared; by damping, per damping squared; by stiffness and mass together, per
-        their product. 0 of other joints.
+        For a servo, further covariances by errors of positions: by stiffness, per stiffness
+        squared; by damping, per damping squared; by stiffness and mass together, per their
+        product. 0 for other joints.
     instruments : ndarray, shape (W, m)
-        What the motion is told by without the window's own errors; see :mod:`.instruments`.
+        Instruments for the motion, free of the window's own errors; see :mod:`.instruments`.
     simulated : ndarray, shape (W, K)
-        Means of what a simulator says of the force, times the direction; K is 0 without one.
+        Means of a simulator's forces, times the direction; K is 0 without a simulator.
     beside : ndarray, shape (W, K)
-        Means of forces that may be there in amounts N(0, 1), times the direction.
+        Means of forces whose unknown amounts have priors N(0, 1), times the direction.
     place : ndarray of int, shape (W,)
-        Of the row among all of `followed`.
-    followed : Followed
-        Loads behind the drive, along the paths of the runs.
+        Index of the window among all windows of `load_motions`.
+    load_motions : LoadMotions
+        Motions of loads behind the drive, along the paths of the runs.
     position_sd, force_sd, half_s, hop : float
-        Standard deviations of the errors that a position, and a force, has of its own; half a
-        window [s], windows' distance over that.
+        Standard deviations of the independent errors of a position and of a force, half the width
+        of a window [s], and the distance of windows relative to that.
     known_inertia : float
-        What the model of a known force moves [kg, or kg·m²].
+        Inertia in the model of a known force [kg, or kg·m²].
     stiffness : float
-        Of a servo, whose error of position is one of its force too; 0 of other joints.
+        Stiffness of a servo, whose errors of position are also in its force; 0 for other joints.
     mixing : Mixing
-        Of what the columns of `beside` are made.
+        The forces of which the columns of `beside` are made.
     """
 
     trial: Whole
@@ -109,7 +112,7 @@ class Readings:
     simulated: Array
     beside: Array
     place: Whole
-    followed: Followed
+    load_motions: LoadMotions
     position_sd: float
     force_sd: float
     half_s: float
@@ -120,30 +123,30 @@ class Readings:
 
     @property
     def count(self) -> int:
-        """Number of rows."""
+        """Number of windows, W."""
         return self.trial.size
 
     @property
     def weights(self) -> Array:
-        """Of the places inside a window, shape (P,)."""
+        """Weights of the places inside a window, for a mean under φ, shape (P,)."""
         return node_weights()[1]
 
     @property
     def acceleration_sd(self) -> float:
-        """Rms error of the acceleration by those of the positions."""
+        """Rms error of the acceleration due to errors of the positions."""
         return float(self.position_sd * np.sqrt(np.mean(self.position_lag[:, 0])))
 
     def lag_of_positions(self, mass: float, damping: float) -> Array:
-        """Return the covariance of a row with the l-th next by an error of position of 1, (W, L).
+        """Return the covariance of a window with the l-th next one by errors of positions, (W, L).
 
-        In the log of a servo an error e adds K ∫ φ e + m ∫ φ'' e − D ∫ φ' e to a row. The terms of
-        stiffness and mass have opposite signs and cancel at the servo's own frequency. They are
-        therefore not independent errors.
+        The errors have standard deviation 1. In the log of a servo, an error e adds
+        K ∫ φ e + m ∫ φ'' e − D ∫ φ' e to a window. The terms of stiffness and mass have opposite
+        signs and cancel at the servo's own frequency, so they are not independent.
 
         Parameters
         ----------
         mass, damping : float
-            Of the law [kg, N s/m; or kg·m², N·m s/rad].
+            Mass and damping of the law [kg, N s/m; or kg·m², N·m s/rad].
         """
         moved = mass**2 * self.position_lag
         if not self.stiffness:
@@ -152,35 +155,36 @@ class Readings:
         return np.asarray(moved + self.held_lag @ by_number)
 
     @property
-    def acceleration_of_its_own(self) -> float:
-        """Part of the square of what only the acceleration has that is no error of positions.
+    def independent_acceleration_share(self) -> float:
+        """Share of the independent acceleration's mean square that is not due to position errors.
 
-        A weight on a lever, the speed and the way have the rest; in part of a swing, nearly all.
+        The independent acceleration is its residual after regression on a constant, speed,
+        direction and the force of a weight on a lever.
         """
-        square = self._square_of_its_own
+        square = self._independent_square
         return 1 - self.acceleration_sd**2 / square if square > 0 else 0.0
 
     @property
     def swings_alike(self) -> bool:
-        """Whether the acceleration is nearly a curve over the place, as in one sine's swings."""
+        """Whether position, direction and speed explain the acceleration, as if a joint swings."""
         whole = float(np.mean(self.acceleration**2))
-        return bool(self._square_of_its_own < AXIS_RULES.like_a_curve * whole)
+        return bool(self._independent_square < AXIS_RULES.like_a_curve * whole)
 
     @property
-    def _square_of_its_own(self) -> float:
+    def _independent_square(self) -> float:
         place, speed = self.position @ self.weights, self.speed @ self.weights
         ones = np.ones(self.count)
         pulls = self.way[:, None] * np.column_stack([ones, np.sin(place), np.cos(place)])
         others = np.column_stack([ones, speed, pulls])
         if self.count < FEW_ROWS * others.shape[1]:
-            return np.inf  # so few leave nothing of any column
+            return np.inf  # the residuals of so few windows would be too small
         fitted = np.linalg.lstsq(others, self.acceleration, rcond=SINGULAR)[0]
-        left = self.acceleration - others @ fitted
-        return float(left @ left / max(self.count - others.shape[1], 1))
+        residual = self.acceleration - others @ fitted
+        return float(residual @ residual / max(self.count - others.shape[1], 1))
 
     @property
     def weight_pulls(self) -> float:
-        """Rms of what a weight on a lever pulls with by least squares, beside the law [N·m]."""
+        """Rms force of a weight on a lever by least squares, fitted with the law [N·m]."""
         place, speed = self.position @ self.weights, self.speed @ self.weights
         pulls = self.way[:, None] * np.column_stack([np.sin(place), np.cos(place)])
         law = np.column_stack([self.acceleration, np.ones(self.count), speed, self.way])
@@ -188,7 +192,7 @@ class Readings:
         return float(np.sqrt(np.mean((pulls @ fitted[-2:]) ** 2)))
 
     def of(self, trials: Whole) -> "Readings":
-        """Return the rows of some trials, which are numbered anew in that order."""
+        """Return the windows of some trials, and number these trials in the given order."""
         place = np.full(int(self.trial.max()) + 1, -1, dtype=np.intp)
         place[trials] = np.arange(trials.size)
         rows = np.flatnonzero(place[self.trial] >= 0)
@@ -197,7 +201,7 @@ class Readings:
         return replace(chosen, trial=place[chosen.trial], piece=piece)
 
     def at(self, rows: Whole) -> "Readings":
-        """Return some rows, in this order, whose trials and pieces keep their numbers."""
+        """Return some windows in the given order; their trials and pieces keep their numbers."""
         whole = {item.name: getattr(self, item.name) for item in fields(self)}
         chosen: dict[str, Any] = {
             name: of[rows] for name, of in whole.items() if isinstance(of, np.ndarray)
@@ -212,20 +216,20 @@ def readings_of(
     like: Readings | None = None,
     limit: float = np.inf,
 ) -> Readings | None:
-    """Reduce runs to rows; None where no window runs one way.
+    """Reduce runs to windows; None if no window has a single direction of motion.
 
     Parameters
     ----------
     logs : sequence of EvenLog
-        Runs.
+        The runs.
     starts : sequence of ndarray of int
-        Of each run, the samples at which its trials begin, 0 first.
+        For each run, the samples at which its trials begin; the first is 0.
     resolution : float or None
-        Of the encoder.
+        Resolution of the encoder [m or rad].
     like : Readings or None
-        Rows whose windows and noise these have, on time; None looks for them.
+        Windows whose width and noise are used, without a delay; None: all three are estimated.
     limit : float
-        Of the drive: what is commanded beyond it neither acts later nor changes what acts.
+        Force limit of the drive, which clips commands [N or N·m].
     """
     stroke = max(float(np.ptp(run_log.position)) for run_log in logs)
     if like is None:
@@ -252,11 +256,11 @@ def readings_of(
         return None
     whole: dict[str, Any] = {name: joined.pop(name).astype(np.intp) for name in ("trial", "piece")}
     whole["place"] = np.arange(joined["way"].size)
-    joined["beside"], mixing = leading(_parted(joined, logs[0]), joined["force"])
+    joined["beside"], mixing = leading(_with_split_error(joined, logs[0]), joined["force"])
     return Readings(
         **whole,
         **joined,
-        followed=Followed(paths),
+        load_motions=LoadMotions(paths),
         position_sd=noise,
         force_sd=float(np.median([sample_noise(log.force) for log in logs])),
         half_s=half_s,
@@ -270,20 +274,20 @@ def readings_of(
 def _windows_of(
     logs: Sequence[EvenLog], resolution: float | None, stroke: float, limit: float
 ) -> tuple[float, float, float, float]:
-    """Return the error of positions, half a window [s], its hop, and what a force is late [s]."""
+    """Return the position error, half-width [s] and distance of windows, and force delay [s]."""
     noise = position_sd(logs, resolution)
     half_s, hop = window_width(logs, noise, stroke)
     if _count(logs, half_s, noise, stroke) < SPARSE:
         half = half_samples(half_s, logs[0])
         hop *= max(1, round(CLOSER * half)) / half
     late_s = 0.0
-    if all(log.sent is None for log in logs):  # what a servo is late by is known beforehand
+    if all(log.sent is None for log in logs):  # a servo's delay is estimated elsewhere
         late_s = late_by([given(run_log, limit) for run_log in logs], half_s, noise, stroke)
     return noise, half_s, hop, late_s
 
 
 def _joined(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return the rows of all runs, whose correlations with neighbours reach equally far."""
+    """Return the windows of all runs, with covariances padded to the same number of lags."""
     widest = max(part["position_lag"].shape[1] for part in parts)
     for part in parts:
         for name in ("position_lag", "force_lag", "held_lag"):
@@ -293,22 +297,21 @@ def _joined(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def _parted(joined: dict[str, Array], log: EvenLog) -> Array:
-    """Return forces beside the law: of a known force its share in two, and what its clock makes.
+def _with_split_error(joined: dict[str, Array], log: EvenLog) -> Array:
+    """Return forces beside the law, with a known force's error in two columns and one of its clock.
 
-    One part of the share has the law's form, and the other has not.
-
-    The known force of a joint alone is an inertia times the acceleration, but for errors of the
-    positions and of clocks. By one amount these errors tell how wrong that inertia is; by two
-    nothing does, as it should be, and the rotor's inertia is as uncertain. Its clock may be off
-    as that of the drive force is.
+    The relative error of a known force is split into the part that the law can imitate, and the
+    rest; each has an amount of its own. If a joint moves alone, the known force is an inertia
+    times the acceleration, except for errors of positions and clocks. With a single amount, these
+    errors would seem to determine the inertia. With two amounts they do not, and the inertia stays
+    uncertain. The clock of the known force may be off, like that of the drive force.
 
     Parameters
     ----------
     joined : dict of str to ndarray
-        Fields of W rows.
+        Fields of W windows.
     log : EvenLog
-        Any of the runs, which says whether the first of ``beside`` is that share.
+        Any run: whether the first column of ``beside`` is a relative error is the same in all.
     """
     way, beside, rate = joined["way"], joined["beside"], joined.pop("known_rate")
     if not log.known_to_a_share:
@@ -322,21 +325,23 @@ def _parted(joined: dict[str, Array], log: EvenLog) -> Array:
 
 
 def with_lever(rows: Readings, force: float) -> Readings:
-    """Return rows beside which a weight may pull with the angle, by its sine and its cosine.
+    """Return windows with two more forces beside the law: sine and cosine of the angle.
+
+    They are those of a weight on a lever.
 
     Parameters
     ----------
     rows : Readings
-        Of a joint that turns.
+        Windows of a rotary joint.
     force : float
-        What amounts of 1 pull with at most [N·m].
+        Amplitude of the forces for amounts of 1 [N·m].
     """
     pulls = force * np.stack([np.sin(rows.position), np.cos(rows.position)]) @ rows.weights
     return replace(rows, beside=np.column_stack([rows.beside, (rows.way * pulls).T]))
 
 
 def _count(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> int:
-    """Return how many windows run one way, each half a window behind the one before."""
+    """Return the number of windows with a single direction, at distances of half a window."""
     count = 0
     for log in logs:
         half = half_samples(half_s, log)
@@ -348,11 +353,11 @@ def _count(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) 
 def _drive_path(
     path: Array, interval_s: float, test: TestFunction, centres: Whole, way: Array
 ) -> DrivePath:
-    """Return the path along which loads are followed, step by step: of no more than it takes.
+    """Return the path along which loads are simulated, thinned out if windows have many samples.
 
-    Where a window has many samples, every few of them tell the path as well.
+    Half a window keeps at least :data:`SAMPLES_PER_HALF` samples.
     """
-    every = test.half // FOLLOWED
+    every = test.half // SAMPLES_PER_HALF
     if every < 2:
         return DrivePath(path, interval_s, test, centres, way)
     fewer = test_function(test.half // every, every * interval_s)
@@ -362,20 +367,20 @@ def _drive_path(
 
 
 def rough_law_of(rows: Readings, inside: Flags, *, viscous: bool = True) -> RoughLaw:
-    """Return mass and friction by some rows; see :func:`.rough.rough_law`.
+    """Return a rough estimate of mass and friction; see :func:`.rough.rough_law`.
 
     Parameters
     ----------
     rows : Readings
-        W rows.
+        W windows.
     inside : ndarray of bool, shape (W,)
-        Those that tell it.
+        Windows that are used.
     viscous : bool
-        Whether friction may grow with the speed.
+        Whether the law has viscous friction.
     """
     speed = viscous * (rows.speed @ rows.weights)
     pull = pull_columns(rows.position @ rows.weights, rows.way)
-    # What the errors of positions make alone tells no mass.
+    # An acceleration that consists of position errors alone does not determine a mass.
     acceleration = rows.acceleration * (rows.acceleration_sd < np.std(rows.acceleration))
     columns = np.column_stack([acceleration, np.ones(rows.count), speed])
     force = rows.force - rough_amounts(columns, rows.beside, rows.force, inside)
@@ -383,7 +388,7 @@ def rough_law_of(rows: Readings, inside: Flags, *, viscous: bool = True) -> Roug
 
 
 def _pieces(place: Array, trial: Array) -> Array:
-    """Return the number of each row's piece: neighbours of one trial, at most some."""
+    """Return the number of each window's piece: up to :data:`PIECE` neighbours of one trial."""
     if not place.size:
         return place
     breaks = (np.diff(place, prepend=place[0]) > 1) | (np.diff(trial, prepend=trial[0]) != 0)

@@ -8,17 +8,17 @@ from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 
 POWERS = 6  # number of polynomials of the position for position-dependent forces
-SINGULAR = 1e-6
-HALF_A_TURN = 0.5 * float(np.pi)  # to either side [rad], over which powers follow a sine
+SINGULAR = 1e-6  # relative singular value that counts as 0
+HALF_A_TURN = 0.5 * float(np.pi)  # half range up to which polynomials describe a sine [rad]
 
 
 class RoughLaw(NamedTuple):
-    """Numbers of the law, none below 0.
+    """Coefficients of a rough law, none below 0.
 
     Parameters
     ----------
     mass, coulomb, viscous : float
-        [kg, N and N s/m; kg·m², N·m and N·m s/rad where the axis turns].
+        [kg, N and N s/m; for a rotary axis kg·m², N·m and N·m s/rad].
     pull : float
         Rms of the position-dependent force, as of gravity and springs; 0 if it is a small part
         of the force [N].
@@ -31,20 +31,20 @@ class RoughLaw(NamedTuple):
 
 
 def pull_columns(position: Array, way: Array) -> Array:
-    """Return powers of the place in the sense of the motion, (W, m), of mean square about 1.
+    """Return columns of forces that depend on position, along the motion, (W, m).
 
     Parameters
     ----------
     position, way : ndarray, shape (W,)
-        Mean position of each row, and 1 or −1.
+        Mean position and direction (1 or −1) of each window.
     """
-    # Where it runs one way alone, what is constant is Coulomb friction.
+    # With a single direction, a constant force cannot be separated from Coulomb friction.
     first = 0 if (way > 0).any() and (way < 0).any() else 1
     return np.asarray(pull_basis(position, *places_of(position))[:, first:] * way[:, None])
 
 
 def pull_basis(position: Array, middle: float, half: float) -> Array:
-    """Return functions of the place, the first of them constant, shape (W, m).
+    """Return functions of the position, the first of them constant, shape (W, m).
 
     Polynomials describe these forces over a part of a turn. Over more, the sine and cosine of a
     weight are added.
@@ -52,9 +52,9 @@ def pull_basis(position: Array, middle: float, half: float) -> Array:
     Parameters
     ----------
     position : ndarray, shape (W,)
-        Mean position of each row [m or rad].
+        Mean position of each window [m or rad].
     middle, half : float
-        Of the positions, which make a place of one.
+        Middle and half range of the positions, by which they are standardised [m or rad].
     """
     columns = np.polynomial.legendre.legvander((position - middle) / half, POWERS - 1)
     if half > HALF_A_TURN:
@@ -67,27 +67,27 @@ def rough_law(
 ) -> RoughLaw:
     """Return mass, Coulomb and viscous friction by least squares.
 
-    Without gravity or a spring in the law, their force would be taken for a negative mass, because
+    Without gravity or a spring in the law, their force would look like a negative mass, because
     a swinging axis accelerates against its displacement.
 
     Parameters
     ----------
     force, acceleration, speed : ndarray, shape (W,)
-        Of rows; a `speed` of zeros leaves viscous friction out.
+        Values of the windows; a `speed` of zeros leaves viscous friction out.
     pull : ndarray, shape (W, m), or None
-        Columns of :func:`pull_columns`, that enter where they take much of the force; of few
-        rows, no more of them than can be told.
+        Columns of :func:`pull_columns`. They are used only if they explain a large part of the
+        force; if there are few windows, only the first of them.
     """
     columns = np.stack([acceleration, np.ones_like(force), speed], axis=1)
-    alone, left = _positive(columns, force)
+    without_pull, squares = _positive(columns, force)
     if pull is None:
-        return _law(alone)
+        return _law(without_pull)
     pull = pull[:, : max(0, force.size // AXIS_RULES.rows_a_number - columns.shape[1])]
     if not pull.size:
-        return _law(alone)
-    coefficients, less = _positive(np.column_stack([columns, pull]), force)
-    if left - less < AXIS_RULES.pulled * float(force @ force):
-        return _law(alone)
+        return _law(without_pull)
+    coefficients, squares_with_pull = _positive(np.column_stack([columns, pull]), force)
+    if squares - squares_with_pull < AXIS_RULES.pulled * float(force @ force):
+        return _law(without_pull)
     pulls = float(np.sqrt(np.mean((pull @ coefficients[3:]) ** 2)))
     return _law(coefficients, pulls)
 
@@ -99,7 +99,7 @@ def _law(numbers: Array, pull: float = 0.0) -> RoughLaw:
 def _positive(columns: Array, force: Array) -> tuple[Array, float]:
     """Return least squares with viscous friction not below 0, and the residual squares.
 
-    Mass and Coulomb friction below 0 are set to 0 at the end, and the rest stands.
+    Negative mass and Coulomb friction are then set to 0, without a new fit of the others.
     """
     free = np.ones(columns.shape[1])
     while True:
@@ -108,8 +108,8 @@ def _positive(columns: Array, force: Array) -> tuple[Array, float]:
         design = columns * free / width
         coefficients = np.linalg.lstsq(design, force, rcond=SINGULAR)[0] / width
         if coefficients[2] >= 0 or not free[2]:
-            left = float(np.sum((force - columns * free @ coefficients) ** 2))
-            return np.append(np.maximum(coefficients[:3], 0.0), coefficients[3:]), left
+            squares = float(np.sum((force - columns * free @ coefficients) ** 2))
+            return np.append(np.maximum(coefficients[:3], 0.0), coefficients[3:]), squares
         free[2] = 0.0
 
 

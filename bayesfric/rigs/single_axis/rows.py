@@ -1,4 +1,4 @@
-"""Rows of an axis around a reference law: mean forces, and what each number and effect adds."""
+"""Windows of an axis, linear around a reference law in coefficients, effects and nuisances."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,37 +33,37 @@ OWN_COLUMNS = ("run", "order", "setup", "role")
 
 @dataclass(frozen=True)
 class AxisRows(LaidRows):
-    """Rows around a reference law.
+    """Windows of an axis, linear around a reference law.
 
     Parameters
     ----------
     name : str
-        Of the rig.
+        Name of the rig.
     table : DataFrame
         N trials.
     readings : Readings
-        W rows.
+        W windows.
     law : AxisLaw
-        The reference.
+        The reference law.
     state : State
-        Where the axis is at places inside every row, arrays that broadcast to (W, P).
+        State of the axis at P places inside each window, arrays that broadcast to (W, P).
     stroke : float
         Range of positions [m or rad].
     latency_s : float
-        Prior standard deviation of the time by which the clocks of force and position may be
-        off.
+        Prior standard deviation of the difference between the clocks of force and position [s].
     lacks : tuple of str
-        Of c1, c2 and c3, which are mass, Coulomb and viscous friction, those that the law lacks.
+        Coefficients that the law does not have, of c1 (mass), c2 (Coulomb friction) and c3
+        (viscous friction).
     offset_n : float
-        Prior standard deviation of a constant force; 0 where there is none.
+        Prior standard deviation of a constant force; 0 if the law has none [N or N·m].
     simulated : SimulatedBaseline or None
-        A simulator in the place of the law, which then is only a scale.
+        A simulator that replaces the law. `law` then only gives scales.
     theta : tuple of float
         The simulator's parameters at the reference.
     loads : tuple of str
-        Columns of runs that are laid out which make a condition.
+        For proposed runs: columns that together define a condition.
     further : tuple of str
-        Columns of the recording's own that varied.
+        The user's own columns that varied.
     """
 
     unseen_phases = UNKNOWN_PHASE
@@ -86,24 +86,25 @@ class AxisRows(LaidRows):
     def trial_axes(self) -> tuple[str, ...]:
         """Covariates that only this rig has.
 
-        The path is one, though friction's scatter has a map of it: a place that is worn, and
-        is so in every run, is no scatter. A row's acceleration has the row's own error.
+        Position is one of them, although the scatter of friction varies along the path: wear at
+        the same position in every run is not scatter. Acceleration is not, because it contains
+        the window's own error.
         """
         return ("displacement", *self.further)
 
     @property
     def scattering_axes(self) -> tuple[str, ...]:
-        """All: scatter has a map of the path, and another value in every run."""
+        """All trial axes: scatter varies along the path and between runs."""
         return self.trial_axes
 
     @property
     def clock_nuisances(self) -> tuple[int, ...]:
-        """The difference of the clocks, the first."""
+        """Index of the clocks' difference among the nuisances."""
         return (0,)
 
     @property
     def friction_n(self) -> Array:
-        """By the reference law, the mean over each trial's rows, (N,) [N]."""
+        """Mean friction of each trial by the reference law, (N,) [N or N·m]."""
         rows = self.readings
         count = np.bincount(rows.trial, minlength=len(self.table))
         total = np.bincount(rows.trial, self.friction_of_row, len(self.table))
@@ -111,21 +112,24 @@ class AxisRows(LaidRows):
 
     @property
     def friction_of_row(self) -> Array:
-        """By the reference law, (W,) [N]."""
+        """Friction of each window by the reference law, (W,) [N or N·m]."""
         return np.asarray(self.law.coulomb + self.law.viscous * self.mean(self.readings.speed))
 
     @property
     def moved_mass(self) -> float:
-        """What an error of the position accelerates: by the law, and by a known force's model."""
+        """Mass by which position errors enter the force: that of the law and of the known force."""
         return float(self.law.mass + self.readings.known_inertia)
 
     def mean(self, values: Array) -> Array:
-        """Return means over the windows of what is known at places inside, (W,)."""
+        """Return means over the windows of values at places inside them, (W,).
+
+        `values` broadcasts to (W, P).
+        """
         rows = self.readings
         return np.asarray(np.broadcast_to(values, rows.speed.shape) @ rows.weights)
 
     def covariates(self) -> dict[str, Array]:
-        """Return where every row is, arrays of shape (W,)."""
+        """Return the covariates of each window, arrays of shape (W,)."""
         rows = self.readings
         ones = np.ones(rows.count)
         own = {name: self.table[name].to_numpy(dtype=np.float64) for name in self.further}
@@ -139,11 +143,14 @@ class AxisRows(LaidRows):
         }
 
     def where(self, acts_on: ActsOn) -> Any:
-        """Return the places of a law, or Unsupported."""
+        """Return the states at which an effect's law is evaluated, or why it has none."""
         return self.state if acts_on in ("friction", "drive") else NO_SENSOR
 
     def coefficient_columns(self) -> Array:
-        """Return what each number of the law, or of the simulator, adds to each row, (W, 3)."""
+        """Return derivatives of each window's force by the law's coefficients, (W, 3).
+
+        If a simulator replaces the law, they are those by its parameters.
+        """
         rows = self.readings
         if self.simulated is not None:
             return self.simulated.columns(rows)
@@ -151,50 +158,51 @@ class AxisRows(LaidRows):
         return columns * [name not in self.lacks for name in Coefficients._fields]
 
     def residual(self) -> Array:
-        """Return the rows less the reference law, or the simulator at its reference, (W,) [N]."""
+        """Return each window's force minus that of the reference law or simulator, (W,) [N]."""
         if self.simulated is not None:
             return self.readings.force - self.simulated.needed(self.readings, self.theta)
         return np.asarray(self.readings.force - self.coefficient_columns() @ np.array(self.law))
 
     def smooth_columns(self, smooth: Smooth, force_n: Array) -> Array:
-        """Return what a smooth force adds to each row, (W, k); `force_n` is its unit, (N,)."""
+        """Return the columns of a smooth force, (W, k); `force_n` (N,) is its unit."""
         unit = self.friction_of_row if smooth.relative else force_n[self.readings.trial]
         return np.asarray(unit * smooth.columns(self.covariates())).T
 
     def scatter_column(self) -> Array:
-        """Return what a relative deviation of friction of 1 adds to each row, (W,)."""
+        """Return the force of a relative deviation of friction by 1 in each window, (W,)."""
         return self.friction_of_row
 
     def added(self, acts_on: ActsOn, size: Array) -> Array:
-        """Return what a force at places inside adds to each row, (W,)."""
+        """Return the mean in each window of a force at places inside it, (W,)."""
         del acts_on
         return self.mean(size)
 
     def relative_force(self, candidate: Candidate) -> Array | Unsupported:
-        """Return what amplitude 1 adds to friction as a share of it, (1, 1, W)."""
+        """Return the force of an effect with amplitude 1, relative to friction, (1, 1, W)."""
         column = self.candidate_column(candidate)
         if isinstance(column, Unsupported):
             return column
         return np.asarray(column / self.friction_of_row)[None, None]
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
-        """Return prior standard deviations of the columns of :meth:`nuisance_columns`.
+        """Return prior standard deviations of the nuisances in :meth:`nuisance_columns`.
 
-        Of the clocks' difference [s], of an offset [N], and of amounts beside the law.
+        They are the clocks' difference [s], an offset [N] if there is one, and the amounts of
+        forces beside the law.
         """
         del priors
         offset = (self.offset_n,) if self.offset_n else ()
         return (self.latency_s, *offset, *[1.0] * self.readings.beside.shape[1])
 
     def nuisance_columns(self) -> Array:
-        """Return what the nuisances of 1 add to each row, (W, m)."""
+        """Return derivatives of each window's force by the nuisances, (W, m)."""
         rows = self.readings
         offset = [rows.way] if self.offset_n else []
         return np.stack([rows.force_rate, *offset, *rows.beside.T], axis=1)
 
 
 def varied_columns(runs: pd.DataFrame) -> tuple[str, ...]:
-    """Return columns of the user's own, of a table of runs, that took more than one value."""
+    """Return the user's own columns of a table of runs that have more than one value."""
     own = [str(name) for name in runs if name not in {*OWN_COLUMNS, *TAKEN}]
     return tuple(name for name in own if np.ptp(runs[name].to_numpy(dtype=np.float64)) > 0)
 
@@ -208,22 +216,22 @@ def state_of(
     constants: RigConstants,
     further: Sequence[str] = (),
 ) -> State:
-    """Return where the axis is at places inside every row, in arrays that broadcast to (W, P).
+    """Return the state of the axis at places inside windows, in arrays that broadcast to (W, P).
 
     Parameters
     ----------
     rows : Readings
-        W rows, with P places each.
+        W windows, with P places each.
     law : AxisLaw
         The baseline.
     table : DataFrame
         N trials.
     tested : ndarray of bool, shape (N,)
-        Trials in which something may differ from calibration.
+        Trials that may differ from calibration.
     measures, constants : Measures, RigConstants
-        Of the whole recording, and of the machine.
+        Scales of the whole recording, and constants of the machine.
     further : sequence of str
-        Columns of the recording's own.
+        The user's own columns.
     """
     order = rank(table)[rows.trial]
     held, moved = _carried(rows, table, measures)
@@ -262,12 +270,12 @@ def state_of(
 
 
 def _carried(rows: Readings, table: pd.DataFrame, measures: Measures) -> tuple[Array, Array]:
-    """Return what the gear carries of weights and springs, and of the mass that it moves."""
+    """Return the gear's load by weights and springs, and by the inertia of the moving mass."""
     if measures.carried is None:
         return np.zeros(1), np.zeros(1)
     return measures.carried.at(rows, table)
 
 
 def _covariates(rows: Readings, table: pd.DataFrame, names: Sequence[str]) -> dict[str, Array]:
-    """Return columns of the trials for every row, shape (W, 1)."""
+    """Return the values of the trials' columns in each window, shape (W, 1)."""
     return {name: table[name].to_numpy(dtype=np.float64)[rows.trial][:, None] for name in names}

@@ -1,4 +1,4 @@
-"""The rows of one run: mean forces over windows, and all that is known in each."""
+"""Reduces one run to windows: their mean forces, motion and covariances."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,13 +17,13 @@ from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.passes import passes_of, rests_of
 from bayesfric.rigs.single_axis.weak_form import NODES, TestFunction, WeakForce, node_weights
 
-SMOOTHED = 4  # samples on either side that a speed is of, at the least
-LOCAL = 5  # samples over which jumps of the force are averaged
-UNHEARD = 1e-4  # of the force's standard deviation: jumps that are none
-OFTEN = 0.2  # of the samples: a force that changes in as many is not one of a few steps
-FAR = 10.0  # strokes: travel since a reversal that nobody saw
-A_MOMENT = 0.01  # of a window
-A_STOP = 4  # a stop that lasts this part of half a window changes its mean friction
+SMOOTHED = 4  # least samples on either side in the estimate of a speed
+LOCAL = 5  # samples over which squared jumps of the force are averaged
+NEGLIGIBLE = 1e-4  # largest jump that is ignored, relative to the force's standard deviation
+OFTEN = 0.2  # share of samples with a jump from which the force is not a few steps
+FAR = 10.0  # travel since a reversal before the log [strokes]
+A_MOMENT = 0.01  # share of a window during which motion in the other direction is tolerated
+A_STOP = 4  # a stop of half a window over this number changes the mean friction
 
 
 def rows_of_run(
@@ -35,24 +35,25 @@ def rows_of_run(
     late_s: float = 0.0,
     limit: float = np.inf,
 ) -> dict[str, Array]:
-    """Return the rows of one run, fields of :class:`Readings` and where they are."""
+    """Return the windows of one run: fields of :class:`Readings`, and where each window is."""
     half = test.half
     position, velocity, way = _motion(log, half, noise, stroke)
     travel, before = passes_of(position, way, FAR * stroke)
     dwell, since = rests_of(position, way, log.interval_s)
-    _forget_the_start(position, way, stroke)
+    _forget_start(position, way, stroke)
     centres = np.arange(half, log.time_s.size - half, step)
-    # A window counts where all of its samples run the same way.
+    # All samples of a window must have the same direction.
     runs = np.concatenate([[0.0], np.cumsum(way)])
     one_way = np.abs(runs[centres + half + 1] - runs[centres - half]) == 2 * half + 1
     if log.dithers is not None:
         one_way &= ~turns_back(log.dithers, test, centres)
     if log.sent is not None:
-        one_way &= ~turns_back(_stands(log.position, max(1, half // A_STOP), noise), test, centres)
+        rests = _may_rest(log.position, max(1, half // A_STOP), noise)
+        one_way &= ~turns_back(rests, test, centres)
     place = np.flatnonzero(one_way)
     centres = centres[one_way]
     sign = way[centres]
-    # The outermost places may lie between a window's last sample and the next, which turned.
+    # The outermost places may lie beyond a window's last sample, after a reversal.
     places = np.clip(node_weights()[0] * (half + 1), -half, half)
     at = log.time_s[centres][:, None] + places * log.interval_s
 
@@ -76,11 +77,11 @@ def rows_of_run(
         "position": inside(position),
         "known_held": inside(known_held),
         "known_moved": inside(known_moved),
-        # A drive clips what it is sent: a mean over more than the places' distance has no peaks.
+        # A drive clips peaks: a mean over more than the distance of the places would hide them.
         "drive": inside(scipy.ndimage.uniform_filter1d(log.force, 2 * (half // NODES) + 1)),
         "instruments": sign[:, None] * instruments_of(log, test, centres),
-        "simulated": _under(log.forces, test, centres, sign),
-        "beside": _under(log.beside, test, centres, sign),
+        "simulated": _means_of(log.forces, test, centres, sign),
+        "beside": _means_of(log.beside, test, centres, sign),
         "known_rate": _known_rate(log, test, centres, sign),
         **_forces(log, test, centres, sign, runs, late_s, limit),
         **_errors(log, test, centres, step),
@@ -88,10 +89,10 @@ def rows_of_run(
 
 
 def _speed_inside(log: EvenLog, test: TestFunction, centres: Whole, speed: Array) -> Array:
-    """Return speeds at places inside of windows, of a servo with the mean that its positions have.
+    """Return speeds at places inside windows; for a servo, scaled to the mean by its positions.
 
-    What a servo's damping is off by is told beside its delay, which shows in small parts of the
-    speed: there a polynomial through many samples is too coarse.
+    An error of a servo's damping is estimated together with its delay, and only small differences
+    of the speed separate the two. A polynomial through many samples is too inexact for this.
     """
     if log.sent is None:
         return speed
@@ -100,44 +101,50 @@ def _speed_inside(log: EvenLog, test: TestFunction, centres: Whole, speed: Array
     return np.asarray(speed * (exact / np.where(mean > 0, mean, 1.0))[:, None])
 
 
-def _stands(position: Array, span: int, noise: float) -> Flags:
-    """Return at which samples a servo may stand still for as many samples as a span has, (N,).
+def _may_rest(position: Array, span: int, noise: float) -> Flags:
+    """Return the samples at which a servo may stand still for at least `span` samples, (N,).
 
-    A command is held until the next. A joint that has nearly reached it stops, and later goes on
-    in the same direction. If a window has few samples, a parabola through them does not show the
-    stop. The friction of a joint at rest can be anything between its limits.
+    A command is held until the next one. A joint that has nearly reached it stops, and later
+    continues in the same direction. In a short window, a parabola does not show such a stop. The
+    friction of a joint at rest can have any value between its limits.
     """
     moved = np.abs(position[span:] - position[:-span]) > AXIS_RULES.sure_of_way * noise
-    stands = np.zeros(position.size, dtype=np.bool_)
+    may_rest = np.zeros(position.size, dtype=np.bool_)
     for shift in range(span + 1):
-        stands[shift : shift + moved.size] |= ~moved
-    return stands
+        may_rest[shift : shift + moved.size] |= ~moved
+    return may_rest
 
 
 def _motion(log: EvenLog, half: int, noise: float, stroke: float) -> tuple[Array, Array, Array]:
-    """Return position, speed and way of a run, where a simulated one runs alike."""
+    """Return position, speed and direction of a run.
+
+    The direction is 0 where a simulated path has another one.
+    """
     over, quick = max(SMOOTHED, half // 2), half < AXIS_RULES.narrowest
     position, velocity, way = smooth_motion(log, over, noise, quick=quick)
     if (other := log.further.get("sim_position")) is not None:
-        # Where the simulated axis runs the other way its friction says nothing of this motion.
-        there = smooth_motion(replace(log, position=other), over, noise)[2]
-        way = np.where(there == way, way, 0.0)
+        # Friction of a simulated axis that moves in the other direction has the wrong sign.
+        simulated_way = smooth_motion(replace(log, position=other), over, noise)[2]
+        way = np.where(simulated_way == way, way, 0.0)
     return position, velocity, way
 
 
-def _forget_the_start(position: Array, way: Array, stroke: float) -> None:
-    """Take away the way of the first samples, near the place where a log begins.
+def _forget_start(position: Array, way: Array, stroke: float) -> None:
+    """Set the direction to 0 in the first samples, near the position where the log begins.
 
-    A log does not say how long ago the axis turned before it, nor by which way it came to where
-    it rests, which friction may remember; where it turns later on, that is better known.
+    Friction may depend on the last reversal, or on the direction in which the axis arrived at a
+    rest. At the start of a log both are unknown. Samples are removed only if the axis reverses
+    later in the log.
     """
     if (way > 0).any() and (way < 0).any():
         near = np.abs(position - position[0]) < AXIS_RULES.forgotten * stroke
         way[near & (np.arange(way.size) < max(np.argmax(way > 0), np.argmax(way < 0)))] = 0.0
 
 
-def _under(forces: Sequence[WeakForce], test: TestFunction, centres: Whole, sign: Array) -> Array:
-    """Return forces under the test functions, in the way's sense, (W, K)."""
+def _means_of(
+    forces: Sequence[WeakForce], test: TestFunction, centres: Whole, sign: Array
+) -> Array:
+    """Return the mean of each force in each window, along the motion, (W, K)."""
     means = [sign * force.over(test, centres) for force in forces]
     return np.reshape(means, (len(means), centres.size)).T
 
@@ -151,7 +158,7 @@ def _forces(
     late_s: float,
     limit: float,
 ) -> dict[str, Array]:
-    """Return the force of each window, and what it does in time, in the way's sense."""
+    """Return the force of each window and its derivatives in time, along the motion."""
     force = test.over(log.force, test.value, centres)
     if log.sent is not None:
         force += replace(log.sent, value=np.zeros(log.force.size)).over(test, centres)
@@ -170,10 +177,9 @@ def _forces(
 
 
 def _known_rate(log: EvenLog, test: TestFunction, centres: Whole, sign: Array) -> Array:
-    """Return the rate of a known force in the way's sense, (W,); 0 of one that a model makes.
+    """Return the rate of a logged known force along the motion, (W,); 0 if there is none.
 
-    Where a controller answers to counts, the known force has these answers too: see
-    :mod:`.answered`.
+    Responses of a controller to encoder errors are removed, as in :mod:`.answered`.
     """
     if log.known_force is None or not log.known_to_a_share:
         return np.zeros(centres.size)
@@ -182,25 +188,27 @@ def _known_rate(log: EvenLog, test: TestFunction, centres: Whole, sign: Array) -
 
 
 def _errors(log: EvenLog, test: TestFunction, centres: Whole, step: int) -> dict[str, Array]:
-    """Return how errors of positions and forces hang together between neighbours."""
+    """Return the covariances of neighbouring windows due to errors of positions and forces."""
     lags = range(0, 2 * test.half // step + 1)
     held = np.zeros((len(lags), 3))
     if log.stiffness:
-        held[:, 0] = _lagged(test.value, test.value, step, lags)
-        held[:, 1] = _lagged(test.slope, test.slope, step, lags)
-        held[:, 2] = 2 * _lagged(test.value, test.curvature, step, lags)
-    position = _lagged(test.curvature, test.curvature, step, lags)
+        held[:, 0] = _lag_products(test.value, test.value, step, lags)
+        held[:, 1] = _lag_products(test.slope, test.slope, step, lags)
+        held[:, 2] = 2 * _lag_products(test.value, test.curvature, step, lags)
+    position = _lag_products(test.curvature, test.curvature, step, lags)
     return {
         "position_lag": np.tile(position, (centres.size, 1)),
         "held_lag": np.tile(held, (centres.size, 1, 1)),
-        "force_lag": _locally(test.value, step, lags, _loudness(log.force), centres),
+        "force_lag": _varying_products(
+            test.value, step, lags, _relative_variance(log.force), centres
+        ),
     }
 
 
 def _known_load(log: EvenLog) -> tuple[Array, Array]:
-    """Return what a known force holds, and what its masses take, at every sample, (N,) twice.
+    """Return the static and the inertial part of a known force at each sample, (N,) twice.
 
-    Of a force that somebody computed elsewhere all counts as held.
+    A known force that was logged counts as static.
     """
     known_force, nothing = log.known_force, np.zeros(log.time_s.size)
     if known_force is None:
@@ -214,42 +222,44 @@ def _known_load(log: EvenLog) -> tuple[Array, Array]:
 
 
 def turns_back(dithers: Flags, test: TestFunction, centres: Whole) -> Flags:
-    """Return in which windows a joint runs against its mean speed for more than a moment, (W,).
+    """Return the windows with more than a small share of marked samples, (W,).
 
     Parameters
     ----------
     dithers : ndarray of bool, shape (N,)
-        Samples at which it does.
+        Marked samples, at which a joint does not move in the direction of its mean speed.
     test : TestFunction
-        Of the windows.
+        Test function of the windows.
     centres : ndarray of int, shape (W,)
-        Their middles.
+        Middle sample of each window.
     """
     return test.over(dithers.astype(np.float64), test.value, centres) > A_MOMENT
 
 
-def _lagged(kernel: Array, other: Array, step: int, lags: range) -> Array:
+def _lag_products(kernel: Array, other: Array, step: int, lags: range) -> Array:
     return np.array([kernel[lag * step :] @ other[: other.size - lag * step] for lag in lags])
 
 
-def _loudness(force: Array) -> Array:
-    """Return the variance of the force's error at each sample, over that at a quiet one, (N,).
+def _relative_variance(force: Array) -> Array:
+    """Return the error variance of the force at each sample, relative to a smooth force, (N,).
 
-    What a force does between two samples is not in the log. Where it jumps from sample to
-    sample (seen in second differences) that is much, and a smooth course hides nothing. A drive
-    that is off, or at its limit, stands still in the log: of its error that says nothing.
+    The log does not contain changes of the force between samples. They are large where the force
+    jumps from sample to sample (large second differences), and negligible where it is smooth. A
+    constant force of a drive that is off, or at its limit, is no measure of the usual error.
     """
     jump = np.zeros(force.size)
     jump[1:-1] = np.diff(force, 2) ** 2
     local = scipy.ndimage.uniform_filter1d(jump, LOCAL)
     jumps = local > np.finfo(np.float64).eps * local.max(initial=0.0)  # a running sum has rounding
-    heard = local[jumps] if jumps.mean() > OFTEN else local
-    quiet = max(float(np.median(heard)), (UNHEARD * float(np.std(force))) ** 2)
+    jumping = local[jumps] if jumps.mean() > OFTEN else local
+    quiet = max(float(np.median(jumping)), (NEGLIGIBLE * float(np.std(force))) ** 2)
     return np.asarray(1 + local / (quiet or 1.0))
 
 
-def _locally(kernel: Array, step: int, lags: range, variance: Array, centres: Whole) -> Array:
-    """Return covariances of windows by errors whose variance differs along the run, (W, L)."""
+def _varying_products(
+    kernel: Array, step: int, lags: range, variance: Array, centres: Whole
+) -> Array:
+    """Return covariances of windows by errors whose variance changes along the run, (W, L)."""
     around = sliding_window_view(variance, kernel.size)[centres - kernel.size // 2]
     products = np.zeros((kernel.size, len(lags)))
     for lag in lags:

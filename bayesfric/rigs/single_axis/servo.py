@@ -28,17 +28,18 @@ from bayesfric.rigs.single_axis.servo_log import DELAY_S, DELAY_SD_S, samples_a_
 from bayesfric.rigs.single_axis.simulated import log_of
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-ROUNDS = 3  # in which the delay is linearised around the estimate of the round before
-SURE = 5.0  # least standard errors above zero of a stiffness that is used
+ROUNDS = 3  # linearisations of the delay, each around the previous estimate
+SURE = 5.0  # least distance from zero of a stiffness that is used [standard errors]
 OPEN_S = 0.001  # least standard deviation of a delay
-OPEN = 0.3  # relative prior sd of a stiffness that the rows estimate again
+OPEN = 0.3  # relative prior sd of a stiffness that the windows estimate again
 A_PERIOD = 30.0  # least samples per period of the motion to estimate inertia
 MASS, COULOMB, VISCOUS, DELAY, OFFSET = range(5)
 NEVER = frozenset({"spring", "commanded-force", "known-load"})
-"""Needs of effects that a log of commands does not meet: curvatures of a force that contains the
-errors of the position, lags beside the delay, and gains beside the stiffness."""
+"""What effects may need and a log of commands does not offer: the second derivative of a force
+without errors of the position, a lag in addition to the delay, and a gain in addition to the
+stiffness."""
 LAW = 5  # columns of the law, with delay and offset
-PHASES = 2  # columns of a payload's weight at unknown phase; the next column is its inertia
+PHASES = 2  # columns of a payload's weight, a sine and a cosine; the next one is its inertia
 
 
 class Servo(NamedTuple):
@@ -50,11 +51,11 @@ class Servo(NamedTuple):
         The machine, with the ``command_gain`` and ``latency_s`` that are used. Without a known
         stiffness it has no values in newtons.
     known_by : str
-        The source of the stiffness, in words; empty without one.
+        Source of the stiffness, in words; empty if it is unknown.
     stiffness, stiffness_sd : float
-        [N/m, or N·m/rad]; 1 and 0 if unknown.
+        Stiffness and its standard error [N/m, or N·m/rad]; 1 and 0 if unknown.
     open_by : float
-        Relative prior standard deviation of the stiffness in the rows.
+        Relative prior standard deviation of the stiffness in the windows; 0 if it is fixed.
     late_sd_s : float
         Prior standard deviation of the delay [s].
     late_error_s : float
@@ -91,7 +92,7 @@ class Servo(NamedTuple):
         )
 
     def said(self, *, rotary: bool) -> Iterator[str]:
-        """Yield what a reader must know of the servo, one sentence at a time.
+        """Yield remarks on the servo, each a sentence.
 
         Parameters
         ----------
@@ -102,10 +103,10 @@ class Servo(NamedTuple):
         if self.is_relative:
             yield (
                 "The log has commands and no force, and nothing in it is known in newtons: all "
-                f"numbers are over the servo's stiffness K, and 1 {force} per K is 1 {angle} by "
-                "which the joint is off its command. rig.command_gain, a payload that was weighed "
-                "(a column in _kg, with rig.payload_arm_m), rig.moving_mass_kg or a model in "
-                "rig.robot tell K"
+                f"numbers are relative to the servo's stiffness K, and 1 {force} per K is 1 "
+                f"{angle} of distance between the joint and its command. K follows from "
+                "rig.command_gain, a payload that was weighed (a column in _kg, with "
+                "rig.payload_arm_m), rig.moving_mass_kg or a model in rig.robot"
             )
         else:
             yield (
@@ -125,27 +126,30 @@ class Servo(NamedTuple):
 
 
 class _Stiffness(NamedTuple):
-    """A stiffness, its source, its standard error, and its relative prior sd in the rows."""
+    """A stiffness, its source, its standard error, and its relative prior sd in the windows.
+
+    If the latter is None, it equals the relative standard error.
+    """
 
     known_by: str
     value: float
     error: float
-    open_by: float | None = None  # as its error
+    open_by: float | None = None
 
 
 class _Pilot(NamedTuple):
-    """Least squares of a run's rows over the stiffness.
+    """A least-squares fit to the windows of all runs, with forces relative to the stiffness.
 
     Parameters
     ----------
     rows : Readings
-        Rows of commands with the present delay.
+        Windows of commands with the present delay.
     numbers : ndarray, shape (n,)
         Coefficients of the law, and then of known forces.
     errors : ndarray, shape (n,)
         Their standard errors.
     samples_a_period : float
-        Of the motion.
+        Samples per period of the motion.
     """
 
     rows: Readings
@@ -160,9 +164,9 @@ def servo_of(axis: Axis, constants: RigConstants) -> Servo | None:
     Parameters
     ----------
     axis : Axis
-        The tables.
+        The tables of the recording.
     constants : RigConstants
-        The machine.
+        The constants of the machine.
     """
     if "force_n" in axis.samples:
         return None
@@ -186,25 +190,25 @@ def servo_of(axis: Axis, constants: RigConstants) -> Servo | None:
         if stiffness.value > SURE * stiffness.error:
             share = stiffness.error / stiffness.value
             share = share if stiffness.open_by is None else stiffness.open_by
-            # The uncertainty of the stiffness is in the rows, so a mass does not contain it again.
+            # The windows contain the uncertainty of the stiffness, so the mass must not.
             settled = replace(settled, command_gain=stiffness.value, force_gain_sd=0.0)
             return Servo(settled, *stiffness[:3], share, sd_s, error_s, period)
     return Servo(_relative(constants, late_s), "", 1.0, 0.0, 0.0, sd_s, error_s, period)
 
 
 def with_open_delay(readings: Readings, servo: Servo) -> Readings:
-    """Return rows with an uncertainty of the delay, together with damping and inertia.
+    """Return windows with one more force beside the law, for an error of the delay.
 
-    Only a small part of the rows distinguishes a delay from damping. The response of the loop to
-    friction that varies along the path is an error of this part, and the rows do not contain it.
-    The scatter of whole stretches around the pilot fit shows how large it is.
+    Only a small part of the force distinguishes a delay from damping. The response of the loop to
+    friction that varies along the path is an error of this part, and the covariance of the windows
+    does not contain it. The scatter of whole stretches around the pilot fit determines its size.
 
     Parameters
     ----------
     readings : Readings
-        W rows.
+        W windows.
     servo : Servo
-        Gives the error of the delay.
+        Contains the error of the delay.
     """
     law = _law(readings)
     damping = np.linalg.lstsq(law, readings.force, rcond=1e-9)[0][VISCOUS]
@@ -222,7 +226,7 @@ def pull_beside_payloads(readings: Readings) -> float:
     Parameters
     ----------
     readings : Readings
-        W rows.
+        W windows.
     """
     place = readings.position @ readings.weights
     pull = pull_columns(place, readings.way)
@@ -238,7 +242,7 @@ def pull_beside_payloads(readings: Readings) -> float:
 
 
 def _with_beside(readings: Readings, columns: Array) -> Readings:
-    """Return rows with more forces of unknown amounts."""
+    """Return windows with further forces of unknown amounts."""
     shares, count = readings.mixing.shares, columns.shape[1]
     grown = np.zeros((shares.shape[0] + count, shares.shape[1] + count))
     grown[: shares.shape[0], : shares.shape[1]] = shares
@@ -248,17 +252,18 @@ def _with_beside(readings: Readings, columns: Array) -> Readings:
 
 
 def with_open_stiffness(readings: Readings, servo: Servo) -> Readings:
-    """Return rows with an uncertain stiffness, as one more force of unknown amount.
+    """Return windows with one more force beside the law, for an error of the stiffness.
 
-    The regressor is the fitted force of the law and of what is known. With the measured force,
-    errors of rows would be taken for stiffness. Effects are not in it; see `scale_share` of a rig.
+    The column is the fitted force of the law plus the known force. With the measured force, errors
+    of the windows would look like an error of the stiffness. The column does not contain effects;
+    see `scale_share` of a rig.
 
     Parameters
     ----------
     readings : Readings
-        W rows, in newtons.
+        W windows, with forces in newtons.
     servo : Servo
-        Gives the uncertainty.
+        Contains the uncertainty of the stiffness.
     """
     if not servo.open_by:
         return readings
@@ -301,7 +306,7 @@ def _law(rows: Readings) -> Array:
 
 
 def _pilot(axis: Axis, constants: RigConstants, delay: tuple[float, float]) -> _Pilot | None:
-    """Return least squares over the stiffness; None if no window has a single direction."""
+    """Return the fit relative to the stiffness; None if no window has a single direction."""
     machine, masses = machine_of(axis, constants), payload_masses(axis.runs)
     logs = []
     for run, samples in axis.samples.groupby("run", sort=False):
@@ -321,7 +326,7 @@ def _pilot(axis: Axis, constants: RigConstants, delay: tuple[float, float]) -> _
 def _known_forces(
     log: EvenLog, run: str, machine: Machine, constants: RigConstants, mass: float
 ) -> Iterator[WeakForce]:
-    """Yield the known forces of a run [N or N·m], that of a payload in parts by its phase."""
+    """Yield the known forces of a run [N or N·m]; those of a payload are sine, cosine, inertia."""
     around = None if machine.bodies is None else machine.around(log, run)
     if around is not None and around.known_force is not None:
         yield around.known_force
@@ -336,7 +341,7 @@ def _known_forces(
 
 
 def _pulls(rows: Readings, constants: RigConstants, machine: Machine) -> Array:
-    """Return the forces that depend on position without a model: gravity, (W, m)."""
+    """Return the columns of gravity in each window, (W, m); none if a model describes it."""
     models = rows.simulated.shape[1] == 1
     if models or not constants.rotary:
         return np.zeros((rows.count, 0))
@@ -349,7 +354,7 @@ def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> tuple
     """Return least squares with the prior of the delay, and errors clustered by stretch."""
     force = rows.force
     width = np.abs(columns).max(axis=0)
-    width[width == 0] = 1.0  # of a command that never changes
+    width[width == 0] = 1.0  # a column of zeros, as of a command that never changes
     design = columns / width
     prior = np.zeros((1, design.shape[1]))
     numbers = np.linalg.lstsq(design, force, rcond=1e-9)[0]
@@ -358,9 +363,9 @@ def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> tuple
         prior[0, DELAY] = error / (delay[1] * width[DELAY])
         goal = np.append(force, error * delay[0] / delay[1])
         numbers = np.linalg.lstsq(np.vstack([design, prior]), goal, rcond=1e-9)[0]
-    left = force - design @ numbers
+    residual = force - design @ numbers
     inverse = np.linalg.pinv(design.T @ design + prior.T @ prior, rcond=1e-12)
-    covariance = clustered_covariance(design, left, rows.piece, inverse)
+    covariance = clustered_covariance(design, residual, rows.piece, inverse)
     return numbers / width, np.sqrt(np.diag(covariance)) / width
 
 

@@ -1,8 +1,9 @@
 """Converts a log of a servo's commands to a force: the lag of the joint behind them.
 
-A servo that is told where to be drives with K (q_ref(t − d) − q) − D q̇, whose gains and delay
-nobody logged. Of unknown stiffness K everything is told over K: the force is then the error of
-the position, and friction is how far the joint stays behind its command.
+A position servo drives with the force K (q_ref(t − d) − q) − D q̇, and its gains and delay are not
+in the log. If the stiffness K is unknown, all forces are relative to K. The force is then the
+position error of the servo, and friction is the distance by which the joint stays behind its
+command.
 """
 
 from collections.abc import Sequence
@@ -16,17 +17,17 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
 DELAY_S, DELAY_SD_S = 0.02, 0.015
-"""From a command to what the servo makes of it, where nobody says: a bus and a loop."""
+"""Prior mean and standard deviation of an undeclared delay of a servo, by its bus and its loop."""
 IN_BAND = 0.9  # part of the squared speed that lies in the band of a motion
 
 
 def force_of_commands(samples: pd.DataFrame, constants: RigConstants) -> pd.DataFrame:
-    """Return samples with the command as their force, each from when it acts on.
+    """Return samples with the command as their force, at the times from which commands act.
 
     Parameters
     ----------
     samples : DataFrame
-        Of a run, with ``command_m`` and without ``force_n``.
+        Samples of a run, with ``command_m`` and without ``force_n``.
     constants : RigConstants
         Its ``latency_s`` is the servo's delay.
     """
@@ -43,11 +44,11 @@ def commanded(log: EvenLog, constants: RigConstants) -> EvenLog:
     log : EvenLog
         Its force is the command [m, or rad].
     constants : RigConstants
-        Its ``command_gain`` is the stiffness; 1 where nobody says.
+        Its ``command_gain`` is the stiffness; 1 if it is not declared.
     """
     stiffness = constants.command_gain or 1.0
     sent = stiffness * log.force
-    # Of a command that is held over a part of an interval a sum of means says too little.
+    # A command may change within a sampling interval; the moment corrects the sum of its means.
     moment = None if log.moment is None else -stiffness * log.moment
     whole = WeakForce(sent, curvature=log.interval_s**2 / 24 * sent, momentum=moment)
     return replace(log, force=sent - stiffness * log.position, sent=whole, stiffness=stiffness)
@@ -59,7 +60,7 @@ def samples_a_period(logs: Sequence[EvenLog]) -> float:
     Parameters
     ----------
     logs : sequence of EvenLog
-        Runs.
+        The runs.
     """
     rates, powers = [], []
     for log in logs:

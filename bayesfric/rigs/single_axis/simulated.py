@@ -1,21 +1,22 @@
-"""A user's simulator in the place of the law: the force that it needs for the measured motion.
+"""A user's simulator that replaces the law: the force that it needs for the measured motion.
 
-A simulator says where the axis goes under the drive force, and a little of friction too much
-takes it somewhere else within a second. So it is guided: a spring and a damper, stiff enough
-to follow within a window, pull the simulated axis along the measured path through
-``extra_force``. What they pull with is what the simulator lacks, and drive force and pull
-together are the force that the simulator needs for the measured motion:
+A simulator computes the motion of the axis under the drive force. A small error of its friction
+leads to another path within a second. The simulated axis is therefore guided: a spring and a
+damper, stiff enough to follow within a window, pull it along the measured path through
+``extra_force``. This pull is the force that the simulator lacks. Drive force and pull together are
+the force that the simulator needs for the measured motion:
 
-    needed(t) = F(t) + k (q(t) − s(t)) + d (v(t) − ṡ(t)),
+    needed(t) = F(t) + k (q(t) − q_s(t)) + d (v(t) − v_s(t)),
 
-s being the simulated position. What is counted is the pull that the simulator was given, at
-the times when it asked for it. It answers to what lacks with a gain of 1 − s²/ω₀² + O(s³/ω₀³),
-not late to first order; the second order is made good under the test functions. After a reversal
-it takes some 1/ω₀ to follow again, and that time does not count.
+with q_s and v_s the simulated position and speed. The recorded pull is the one that the simulator
+was given, at the times at which it called for it. At the Laplace variable s, the pull responds to a
+missing force with a gain of 1 − s²/ω₀² + O(s³/ω₀³), without delay to first order. The second order
+is corrected in the weak form. After a reversal the simulated axis needs several 1/ω₀ to follow
+again, and this time is not used.
 
-How the needed force answers to a parameter is a difference of two simulations. An effect is a
-force at the place of the pull, so that the pull answers to it with as much less, whatever the
-simulator is; that a pull counts as much as a drive force is seen by a difference too.
+The derivative of the needed force by a parameter is the difference of two simulations. An effect is
+a force in the place of the pull, and reduces the pull by as much in any simulator. That a pull acts
+like a drive force is tested, also by the difference of two simulations.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,7 +30,8 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import Parameter, from_normal
 from bayesfric.recording.held import held_for, position_held_for, released
 from bayesfric.recording.tables import RigConstants
-from bayesfric.rigs.single_axis.even_log import EvenLog, clipped, even_grid, smooth_motion
+from bayesfric.rigs.single_axis.even_log import EvenLog, even_grid, smooth_motion
+from bayesfric.rigs.single_axis.force_faults import clipped
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.servo_log import commanded, force_of_commands
@@ -37,32 +39,32 @@ from bayesfric.rigs.single_axis.weak_form import WeakForce
 from bayesfric.simulators import SimulatorCalls, SimulatorRun, Task, between
 
 Forces = tuple[WeakForce, ...]
-MOST_PARAMETERS = 3  # as many as a law has
-ROUNDS = 3  # of linearising around what the round before has found
-STEP = 0.02  # of a prior's width, over which a difference is taken
-FASTEST = 0.4  # rad a sample of the log: a simulator that steps so can follow
-WINDOW = 8.0  # rad in half a window: what is slower than a window is followed
-GUIDED = 5  # samples on either side, of which the guide takes its speed
-SETTLING = 6.0  # over the rate: the time after a reversal that does not count; 2 % are left then
-ANSWERED = 0.25  # by which a pull may count for less or more than a drive force
-ANOTHER_ZERO_S = 1.0  # from which on two clocks of one row count from different instants
-PROBE = 0.2  # of the rough friction, a drive force more
+MOST_PARAMETERS = 3  # the number of a law's coefficients
+ROUNDS = 3  # linearisations, each around the estimate of the previous one
+STEP = 0.02  # step of a finite difference, relative to the width of the prior
+FASTEST = 0.4  # largest rate of the guide [rad per sample], so that a simulator can follow
+WINDOW = 8.0  # rate of the guide [rad per half-width of a window], so that it follows in a window
+GUIDED = 5  # samples on either side with which the speed of the guide is estimated
+SETTLING = 6.0  # time after a reversal that is not used [1 / rate]; 2 % of the error remain then
+ANSWERED = 0.25  # largest relative difference between the effects of a pull and a drive force
+ANOTHER_ZERO_S = 1.0  # difference of two clocks from which they have different zeros [s]
+PROBE = 0.2  # additional drive force in the test of a pull, relative to rough friction
 
 
 @dataclass(frozen=True)
 class SimulatedBaseline:
-    """A simulator in the place of the law.
+    """A simulator that replaces the law, linear in its parameters.
 
     Parameters
     ----------
     name : str
-        What it is called: ``module:object``, or the column of a table.
+        Its name: ``module:object``, or the columns of the recording that it left.
     parameters : tuple of Parameter
-        What is free in it, at most three; none of a table.
+        Its free parameters, at most three; none if it left columns.
     centre : tuple of float
-        Where it was made linear in them.
+        Values of the parameters around which it is linearised.
     calls : int
-        Of the simulator, made for it.
+        Number of calls of the simulator.
     """
 
     name: str
@@ -71,14 +73,17 @@ class SimulatedBaseline:
     calls: int = 0
 
     def columns(self, readings: Readings) -> Array:
-        """Return what each parameter adds to the needed force of each row, (W, 3)."""
+        """Return derivatives of the needed force by the parameters in each window, (W, 3).
+
+        Columns without a parameter are 0.
+        """
         count = len(self.parameters)
         columns = np.zeros((readings.count, MOST_PARAMETERS))
         columns[:, :count] = readings.simulated[:, 1 : 1 + count]
         return columns
 
     def needed(self, readings: Readings, theta: Sequence[float]) -> Array:
-        """Return the needed force of each row at values of the parameters, (W,)."""
+        """Return the needed force of each window at values `theta` of the parameters, (W,)."""
         moved = np.zeros(MOST_PARAMETERS)
         moved[: len(self.centre)] = np.array(theta[: len(self.centre)]) - self.centre
         return np.asarray(readings.simulated[:, 0] + self.columns(readings) @ moved)
@@ -86,16 +91,16 @@ class SimulatedBaseline:
 
 @dataclass(frozen=True, eq=False)
 class Guide:
-    """A spring and a damper to the measured path; (t, q, v) to a force.
+    """A spring and a critical damper between the simulated axis and the measured path.
 
     Parameters
     ----------
     start_s, interval_s : float
-        Of the log.
+        Start of the log, and time between its samples [s].
     position, velocity : ndarray, shape (N,)
-        The measured path.
+        The measured path [m or rad], [m/s or rad/s].
     mass, rate : float
-        Rough mass, and the frequency of that mass on the spring [rad/s].
+        Rough mass [kg or kg·m²], and the natural frequency of this mass on the spring [rad/s].
     """
 
     start_s: float
@@ -106,15 +111,15 @@ class Guide:
     rate: float
 
     def __call__(self, t: float, q: float, v: float) -> float:
-        """Return the force."""
+        """Return the force on the simulated axis at time `t`, position `q` and velocity `v`."""
         place = (float(t) - self.start_s) / self.interval_s
         behind = between(self.position, place) - float(q)
         slower = between(self.velocity, place) - float(v)
         return self.mass * (self.rate**2 * behind + 2 * self.rate * slower)
 
     @property
-    def followed(self) -> Flags:
-        """Return where the guided axis follows: not right after the start or a reversal, (N,)."""
+    def is_following(self) -> Flags:
+        """Samples where the guided axis follows: not just after the start or a reversal, (N,)."""
         long = int(np.ceil(SETTLING / self.rate / self.interval_s))
         is_followed = np.ones(self.velocity.size, dtype=np.bool_)
         for begin in (0, *np.flatnonzero(np.diff(np.sign(self.velocity)))):
@@ -123,18 +128,18 @@ class Guide:
 
 
 def _recorded_forces(log: EvenLog, mass: float | None) -> Forces:
-    """Return the force that a simulator needed by what it left in a recording; empty if nothing.
+    """Return the force that a simulator needed, by its columns of a recording; empty if none.
 
-    ``sim_force_n`` is the force of the simulated axis, and without it that of the log;
-    ``sim_position_m`` its path, and without it that of the log. Where the simulated path
-    is another one, mass times the difference of the accelerations is what lacks.
+    ``sim_force_n`` is the drive force of the simulated axis (by default, that of the log), and
+    ``sim_position_m`` its path (by default, that of the log). If the simulated path differs, the
+    simulator lacks the mass times the difference of the accelerations.
 
     Parameters
     ----------
     log : EvenLog
         A run.
     mass : float or None
-        That the simulator moves [kg, or kg·m²].
+        Mass that the simulator moves [kg, or kg·m²].
     """
     force, position = log.further.get("sim_force"), log.further.get("sim_position")
     apart = None if position is None or mass is None else mass * (log.position - position)
@@ -144,10 +149,10 @@ def _recorded_forces(log: EvenLog, mass: float | None) -> Forces:
 
 
 def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
-    """Return the log of a run, with what a simulator left in it; None where it is too short.
+    """Return the log of a run on an even grid, with its known forces; None if it is too short.
 
-    What telemetry holds is released: see :mod:`bayesfric.recording.held`. Where commands stand in
-    the place of a force, that is what a servo makes of them: see :mod:`.servo`.
+    Samples that telemetry repeats are removed: see :mod:`bayesfric.recording.held`. If commands
+    were logged without a force, the force is that of a servo: see :mod:`.servo`.
     """
     tells_commands = "force_n" not in samples
     if tells_commands:
@@ -163,9 +168,9 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
         "reference": "command_m",
     }
     if constants.moving_mass_kg is None:
-        del names["sim_position"]  # it takes the simulated mass to make a force of a path
+        del names["sim_position"]  # a path gives a force only with the simulated mass
     is_relative = tells_commands and constants.command_gain is None
-    if is_relative:  # no force in newtons can stand beside one that is over the stiffness
+    if is_relative:  # forces are relative to the stiffness, and the simulated one is in newtons
         del names["sim_force"]
     columns = {
         name: samples[column].to_numpy(dtype=np.float64)
@@ -175,12 +180,12 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
     time = samples["time_s"].to_numpy(dtype=np.float64)
     steps = tells_commands or constants.force_is == "commanded"
     own = _time_of_force(samples)
-    if tells_commands:  # each acts from its own time on, also one between two new positions
+    if tells_commands:  # a command acts from its own time on, also between two new positions
         columns["force"], own = whole["force_n"].to_numpy(dtype=np.float64), _time_of_force(whole)
     elif _position_is_held(whole):
         force = whole["force_n"].to_numpy(dtype=np.float64)
-        # A force that is held like the position is a sample of what went on changing; one that
-        # is not tells what acted between two positions.
+        # If only the positions are held, each force acted until the next sample. If the force is
+        # held too, it is a sample of a force that changed in between.
         steps = held_for(force) == 1
         if steps:
             columns["force"], own = force, _time_of_force(whole)
@@ -191,7 +196,7 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
         log = commanded(log, constants)
     forces = _recorded_forces(log, constants.moving_mass_kg)
     value = log.further.get("known_force")
-    # A simulator in the place of the law says the whole force.
+    # The force of a simulator that replaces the law contains the known force.
     known_force = None if value is None or forces or is_relative else WeakForce(value)
     is_known = log.is_known
     if not tells_commands and constants.force_is != "commanded":
@@ -200,13 +205,16 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
 
 
 def _position_is_held(samples: pd.DataFrame) -> bool:
-    """Return whether the positions of a run are each held for some samples."""
+    """Return whether each position of a run is repeated in several samples."""
     position, force = (samples[name].to_numpy(dtype=float) for name in ("position_m", "force_n"))
     return position_held_for(position, force) > 1
 
 
 def _time_of_force(samples: pd.DataFrame) -> Array:
-    """Return when the force of each row was read, by the clock of the positions, (N,) [s]."""
+    """Return the time at which each force was read, on the clock of the positions, (N,) [s].
+
+    If the two clocks differ by more than :data:`ANOTHER_ZERO_S`, their zeros are aligned.
+    """
     time = samples["time_s"].to_numpy(dtype=np.float64)
     if "force_time_s" not in samples:
         return time
@@ -216,7 +224,10 @@ def _time_of_force(samples: pd.DataFrame) -> Array:
 
 
 def fitting(table: pd.DataFrame) -> Flags:
-    """Return which trials a simulator is fitted to: those of role ``test`` only show the gap."""
+    """Return the trials to which a simulator's parameters are fitted: those without role ``test``.
+
+    If all trials have this role, all are used.
+    """
     tested = np.zeros(len(table), dtype=np.bool_)
     if "role" in table:
         tested = np.asarray(table["role"] == "test", dtype=np.bool_)
@@ -232,29 +243,29 @@ def linearised(
     half_s: float,
     fits: Flags,
 ) -> tuple[SimulatedBaseline, Readings]:
-    """Make a simulator linear in its parameters, around what fits best.
+    """Linearise a simulator in its parameters, around their best fit.
 
     Parameters
     ----------
     calls : SimulatorCalls
         The simulator.
     logs : sequence of EvenLog
-        Runs.
+        The runs.
     rows : sequence of mapping
-        Of each, its row of ``axis_runs.csv``.
+        For each run, its row of ``axis_runs.csv``.
     readings : callable
-        Runs with forces to rows that have them.
+        Makes windows of runs that have a simulator's forces.
     measures : Measures
-        Rough mass and friction.
+        Scales of the recording, with rough mass and friction.
     half_s : float
         Half the width of a window [s].
     fits : ndarray of bool, shape (N,)
-        Trials that the parameters are fitted to.
+        Trials to which the parameters are fitted.
 
     Raises
     ------
     InputError
-        It has too many parameters, fails, or takes no extra force.
+        If it has too many parameters, fails, or does not apply the extra force.
     """
     parameters = calls.parameters
     if len(parameters) > MOST_PARAMETERS:
@@ -275,7 +286,7 @@ def linearised(
     for left in reversed(range(rounds)):
         forces = _needed(calls, runs, guides, theta, steps)
         stepped = [
-            replace(log, forces=own, further={}, is_known=log.is_known & guide.followed)
+            replace(log, forces=own, further={}, is_known=log.is_known & guide.is_following)
             for log, own, guide in zip(logs, forces, guides, strict=True)
         ]
         at_steps = readings(stepped)
@@ -310,7 +321,7 @@ def _needed(
     theta: Array,
     steps: Array,
 ) -> list[Forces]:
-    """Return of each run the needed force, and its differences by the parameters."""
+    """Return for each run the needed force, and its derivatives by the parameters."""
     moved = [theta, *(theta + step for step in np.diag(steps))]
     pulls = calls.pulled(
         Task(run, tuple(float(value) for value in at), guide)
@@ -331,11 +342,11 @@ def _needed(
 def _check_pull(
     calls: SimulatorCalls, run: SimulatorRun, guide: Guide, theta: Array, force: float
 ) -> None:
-    """Refuse a simulator in which a pull does not count as the same drive force does."""
+    """Raise an error if a pull does not act like the same drive force in a simulator."""
     at = tuple(float(value) for value in theta)
     pushed = replace(run, force_n=run.force_n + force)
     plain, less = calls.pulled([Task(run, at, guide), Task(pushed, at, guide)])
-    counted = float(np.median((plain - less)[guide.followed])) / force
+    counted = float(np.median((plain - less)[guide.is_following])) / force
     if abs(counted - 1) > ANSWERED:
         expected = (
             "extra_force(t, q, v), at the time, the position and the velocity of the simulated "
@@ -351,16 +362,16 @@ def _best(
     theta: Array,
     fits: Flags,
 ) -> Array:
-    """Return the parameters by least squares beside their priors, within these."""
+    """Return the mode of the parameters given their priors, within the priors' ±3 sd."""
     used = fits[readings.trial]
     columns = readings.simulated[used, 1:]
-    left = readings.force[used] - readings.simulated[used, 0]
+    residual = readings.force[used] - readings.simulated[used, 0]
     width = np.array([_width(parameter) for parameter in parameters])
-    free = np.linalg.lstsq(columns * width, left, rcond=1e-9)[0]
-    variance = float(np.mean((left - columns * width @ free) ** 2)) or 1.0
+    free = np.linalg.lstsq(columns * width, residual, rcond=1e-9)[0]
+    variance = float(np.mean((residual - columns * width @ free) ** 2)) or 1.0
     middle = np.array([float(from_normal(parameter.prior, 0.0)) for parameter in parameters])
     precision = (columns * width).T @ (columns * width) / variance + np.eye(width.size)
-    slope = (columns * width).T @ left / variance + (middle - theta) / width
+    slope = (columns * width).T @ residual / variance + (middle - theta) / width
     best = theta + width * np.linalg.solve(precision, slope)
     low, high = (
         np.array([float(from_normal(parameter.prior, z)) for parameter in parameters])

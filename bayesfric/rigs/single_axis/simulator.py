@@ -1,9 +1,9 @@
-"""A driven axis, simulated: the drive force that a motion takes; the mirror of the rows.
+"""Simulates a driven axis: the drive force for a given motion.
 
-A controller without error keeps the axis on a smooth path that is known in closed form, with
-its speed and acceleration. The drive force is what that takes: mass times acceleration,
-friction against the motion, which scatters and wanders along the path, and what effects add.
-Position is logged by an encoder, force as it is commanded.
+A perfect controller keeps the axis on a smooth path, whose speed and acceleration have closed
+forms. The drive force is mass times acceleration, plus friction against the motion, which scatters
+and wanders along the path, plus the forces of effects. The log contains encoder positions and the
+commanded force.
 """
 
 from dataclasses import dataclass
@@ -26,20 +26,20 @@ from bayesfric.rigs.own_design import OwnDesign, Simulated
 from bayesfric.rigs.single_axis.following import LENGTHS
 from bayesfric.rigs.truth import AppliedEffect, Truth
 
-SIZE = "axis"  # in the place of a pulley size
+SIZE = "axis"  # stands in the column of pulley sizes
 RUNS, SECONDS, RATE_HZ = 6, 8.0, 250.0
-TESTED = 2  # of the runs have the role test, where an effect is of those alone
+TESTED = 2  # runs of role test, if an effect acts only in such runs
 STROKE_M, TOP_SPEED_M_S = 0.15, 0.6
 SWINGS_HZ, SHARES = (0.23, 0.57, 1.3), (0.7, 0.25, 0.05)
 LAW = AxisLaw(mass=2.0, coulomb=1.5)
 RESOLUTION_M = 5e-6
 DECIMALS = 6
-DAMPING = 0.06  # of a spring, over what is critical
+DAMPING = 0.06  # damping ratio of a spring
 
 
 @dataclass(frozen=True)
 class Path:
-    """Where the axis is in every run, arrays of shape (runs, N)."""
+    """Motion of the axis in every run, arrays of shape (runs, N); times have shape (N,)."""
 
     time_s: Array
     position: Array
@@ -49,7 +49,7 @@ class Path:
 
 
 def lay_path(rng: np.random.Generator) -> Path:
-    """Return sums of three swings, each run with its own speeds and phases."""
+    """Return a path of three sine waves for each run, with random frequencies, sizes and phases."""
     time = np.arange(int(SECONDS * RATE_HZ)) / RATE_HZ
     rate = 2 * np.pi * np.array(SWINGS_HZ) * rng.uniform(0.8, 1.25, (RUNS, 3))
     size = STROKE_M * np.array(SHARES) * rng.uniform(0.7, 1.3, (RUNS, 3))
@@ -63,7 +63,7 @@ def lay_path(rng: np.random.Generator) -> Path:
 
 
 def _since_turn(position: Array, velocity: Array) -> Array:
-    """Return the travel since the axis last turned; before the first turn many strokes."""
+    """Return the travel since the last reversal; before the first one it is 10 strokes."""
     travel = np.full(position.shape, 10 * STROKE_M)
     for run, (place, speed) in enumerate(zip(position, velocity, strict=True)):
         turns = np.flatnonzero(np.diff(np.sign(speed)) != 0) + 1
@@ -77,11 +77,11 @@ def _law(truth: Truth) -> AxisLaw:
 
 
 def _state(path: Path, law: AxisLaw, tested: Array) -> State:
-    """Return where the axis is; the force and its derivatives are those without effects."""
+    """Return the state of the axis; the force and its derivatives are those without effects."""
     speed, way = np.abs(path.velocity), np.sign(path.velocity)
     friction = law.coulomb + law.viscous * speed
     force = law.mass * path.acceleration + way * friction
-    # At a reversal friction jumps; its derivative there is nobody's.
+    # Coulomb friction jumps at a reversal and is left out of the derivatives.
     smooth = law.mass * path.acceleration + law.viscous * path.velocity
     rate = np.gradient(smooth, path.time_s, axis=1)
     order = np.linspace(0.0, 1.0, RUNS)[:, None]
@@ -110,7 +110,7 @@ def _state(path: Path, law: AxisLaw, tested: Array) -> State:
 
 
 def _following(path: Path, law: AxisLaw) -> Load:
-    """Return how a load behind the axis follows it."""
+    """Return a function that simulates a load behind the drive."""
     interval = 1 / RATE_HZ
     way = np.sign(path.velocity)
 
@@ -135,7 +135,7 @@ def _tested(effects: list[Effect]) -> Array:
 
 
 def change(effect: Effect, constants: RigConstants, truth: Truth) -> Change | None:
-    """Return how an effect changes friction along the paths, as a share of it."""
+    """Return the function of an effect's relative change of friction; None if it has none."""
     del constants
     if effect.acts_on not in ("friction", "drive") or effect.components:
         return None
@@ -151,7 +151,7 @@ def change(effect: Effect, constants: RigConstants, truth: Truth) -> Change | No
 
 
 def simulate(constants: RigConstants, truth: Truth, seed: int) -> Simulated:
-    """Return runs and samples."""
+    """Return a simulated recording, with tables of runs and samples."""
     streams = np.random.SeedSequence(seed).spawn(5)
     lay, scatter, wander, noise, phases = (np.random.default_rng(stream) for stream in streams)
     law, path = _law(truth), lay_path(lay)
@@ -164,7 +164,7 @@ def simulate(constants: RigConstants, truth: Truth, seed: int) -> Simulated:
     friction = np.asarray(state.constant_friction_n) + total(of_kind(acting, "friction"), state)
     against = friction * (1 + deviation) + total(of_kind(acting, "drive"), state)
     force = law.mass * path.acceleration + np.sign(path.velocity) * against
-    # A command acts until the next: it is what the middle of its interval takes.
+    # A command is held until the next one, so it is the force at the middle of its interval.
     sent = 0.5 * (force + np.concatenate([force[:, 1:], force[:, -1:]], axis=1))
     step = constants.encoder_resolution or RESOLUTION_M
     read = path.position + truth.sigma_x / 15 * noise.standard_normal(path.position.shape)

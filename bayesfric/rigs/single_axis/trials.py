@@ -1,4 +1,4 @@
-"""Runs of an axis that enter, and what kind of rig it is."""
+"""The interface of a driven axis to fits and diagnoses."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -33,7 +33,7 @@ from bayesfric.schemas.causes import LawNumber
 from bayesfric.schemas.instrument import Instrument
 from bayesfric.simulators import SimulatorCalls
 
-NOTHING = 1e-12
+NOTHING = 1e-12  # largest relative difference of two laws that are the same
 ONE_WAY = (
     "The gear carries a load, and the joint moves it in one direction at each pose. So friction "
     "that grows with load, Coulomb friction and an error of the force's gain cannot be separated. "
@@ -43,13 +43,13 @@ ONE_WAY = (
 
 @dataclass(frozen=True)
 class AxisRuns(EnteredRuns):
-    """Runs of an axis, with what is made of them: rows, a likelihood, an instrument, doubts.
+    """Runs of an axis, with their linear model, likelihood, instrument and doubts.
 
-    Parameters as of :class:`~bayesfric.rigs.single_axis.entered_runs.EnteredRuns`.
+    It has the parameters of :class:`~bayesfric.rigs.single_axis.entered_runs.EnteredRuns`.
     """
 
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
-        """Return what is doubtful in what was declared, and in the log itself.
+        """Return sentences on doubtful declared values, and on faults of the log.
 
         See :mod:`.declared`, :mod:`.servo`, :mod:`.on_time` and :mod:`.dither`.
         """
@@ -57,7 +57,7 @@ class AxisRuns(EnteredRuns):
         lines += beyond_limit(self.constants, self.readings.drive, self.unit)
         if self._moved_otherwise is not None:
             lines.append(self._moved_otherwise.advice)
-        elif self._pulled_alike and self.servo is None:
+        elif self._pull_explains_inertia and self.servo is None:
             lines.append(LIKE_A_PULL)
         if self.servo is None:
             viscous = "c3" not in self._lacks
@@ -72,25 +72,26 @@ class AxisRuns(EnteredRuns):
         if self.late_s:
             acts = "later" if self.late_s > 0 else "earlier"
             lines.append(
-                f"The force acts {abs(self.late_s):.3g} s {acts} than it stands in the log, which "
-                "no drive does: two clocks, or a slow way of telemetry. It was moved by as much"
+                f"The force acts {abs(self.late_s):.3g} s {acts} than it was logged. No drive has "
+                "such a delay: force and position have different clocks, or telemetry is slow. The "
+                "force was shifted by this time"
             )
         if self.stamps_sd_s:
             lines.append(
-                f"Stamps jitter by {self.stamps_sd_s:.2g} s about an even clock, over which "
-                "positions are smoother: the even clock was taken"
+                f"The time stamps jitter by {self.stamps_sd_s:.2g} s about an even clock, on which "
+                "positions are smoother. The even clock was used"
             )
         if self.clipped:
             lines.append(
-                f"In some run {self.clipped:.1%} of the readings of force_n are the largest that "
-                "there is, again and again: a sensor or a drive is at its end there, and what acts "
-                "beyond is not known. Windows with such readings do not enter"
+                f"In at least one run, {self.clipped:.1%} of the readings of force_n are at the "
+                "end of their range: the sensor or the drive is saturated, and the force that "
+                "acted is unknown. Windows with such readings are not used"
             )
         if self.spikes:
             lines.append(
-                f"In some run {self.spikes:.1%} of the readings of force_n are spikes of a sample: "
-                "numbers of the law are as good as these are. Filter them where they are read, or "
-                "log the command beside"
+                f"In at least one run, {self.spikes:.1%} of the readings of force_n are spikes of "
+                "one sample, and the law is only as good as these readings. Filter them in the "
+                "sensor, or log the command too"
             )
         if self.dither.windows:
             done = (
@@ -109,11 +110,14 @@ class AxisRuns(EnteredRuns):
     def instrument(
         self, acting: Sequence[tuple[Candidate, float]], laws: Mapping[str, Coefficients]
     ) -> Instrument | str:
-        """Return the law by an instrument beside what acts; see :mod:`.instruments`."""
+        """Return instrumental-variable estimates of the law and of acting effects, or why not.
+
+        See :mod:`.instruments`.
+        """
         if self._beside is not None:
-            return "a simulator has the place of the law"
+            return "a simulator replaces the law"
         if self.servo is not None:
-            return "the command is in the drive force itself, so that it is no instrument"
+            return "the drive force is computed from the command, so the command is no instrument"
         rows, readings = self._around(laws[SIZE]), self.readings
         others: dict[str, Array] = {}
         for candidate, _ in acting:
@@ -144,7 +148,7 @@ class AxisRuns(EnteredRuns):
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
-        """Priors of the law, in the machine's measures, or of the simulator in its place."""
+        """Priors of the law in the machine's scales, or of the simulator that replaces it."""
         if self._beside is None:
             return {SIZE: self.measures.priors}
         priors = [parameter.prior for parameter in self._beside.parameters]
@@ -152,22 +156,25 @@ class AxisRuns(EnteredRuns):
 
     @property
     def own_law(self) -> OwnLaw | None:
-        """A simulator that was named, or left its force in the recording; None without one."""
-        own = self.simulated
-        if own is None:
+        """The user's simulator as a law, whether it is called or was recorded; None without one."""
+        simulator = self.simulated
+        if simulator is None:
             return None
-        without = Coefficients._fields[len(own.parameters) :]
-        law = replace(BASELINES["paper"], name=own.name, without=without)
-        return OwnLaw(law, own.parameters, own.calls)
+        without = Coefficients._fields[len(simulator.parameters) :]
+        law = replace(BASELINES["paper"], name=simulator.name, without=without)
+        return OwnLaw(law, simulator.parameters, simulator.calls)
 
     def beside(self, simulator: SimulatorCalls) -> "AxisRuns":
-        """Return the runs beside a user's simulator of them; see :mod:`.simulated`."""
+        """Return the runs with a user's simulator of them; see :mod:`.simulated`."""
         assert self.source is not None
         return opened(self.rig, self.source, self.constants, simulator) or self
 
     @property
     def why_no_finding(self) -> str | None:
-        """That it hardly turns, so that effects of the place were not examined, or spikes."""
+        """The reason why a question stays open for these runs; None if there is none.
+
+        The reasons are a force that contains no friction, too few reversals, and spikes.
+        """
         needed = min(TURNS)
         if self._moved_otherwise is not None:
             return self._moved_otherwise.why
@@ -185,21 +192,21 @@ class AxisRuns(EnteredRuns):
         return None
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
-        """Return why a law of cables makes no sense here."""
+        """Return why a law of cables does not apply to an axis; None for a law that does."""
         if law.name == "paper" or law.name in OF_AXES:
             return None
         return Unsupported(
-            "Without a word it has inertia, Coulomb and viscous friction and an offset, as "
-            "'coulomb-viscous' says; 'coulomb' and 'none' say less."
+            "The default law of an axis, 'coulomb-viscous', has inertia, Coulomb and viscous "
+            "friction and an offset; 'coulomb' and 'none' have fewer terms."
         )
 
     def suited(self, effect: Effect) -> Effect:
-        """Return an effect with priors in the machine's measures, and no law twice."""
+        """Return an effect with priors in the machine's scales, without duplicate laws."""
         measured = self.measures.effect(effect)
         if measured.acts_on not in ("friction", "drive") or measured.components:
             return measured
-        # A share of all friction, or of Coulomb's: what differs by the law's own viscous friction
-        # alone is one law.
+        # Laws that differ only by the law's viscous friction are duplicates: a share of all
+        # friction, and the same share of Coulomb friction.
         values, state = small_values(measured), self._state(self._rough._replace(viscous=0.0))
         laws: dict[str, Law] = {}
         seen: list[Array] = []
@@ -215,11 +222,11 @@ class AxisRuns(EnteredRuns):
         return replace(measured, laws=laws or dict(list(measured.laws.items())[:1]))
 
     def levels(self, name: str) -> int:
-        """Return how many values a column takes; the cable that is not there has one tension."""
+        """Return the number of values of a column; ``tension`` has one, as there is no cable."""
         return 1 if name == "tension" else int(self.table[name].nunique())
 
     def select(self, keep: "pd.Series[bool]") -> "AxisRuns | None":
-        """Return the trials of a mask over the table; None without any."""
+        """Return the trials that a mask over the table selects; None if there are none."""
         chosen = np.flatnonzero(keep.to_numpy())
         if not chosen.size:
             return None
@@ -227,32 +234,37 @@ class AxisRuns(EnteredRuns):
         return replace(self, table=table, readings=self.readings.of(chosen))
 
     def supports(self, effect: Effect) -> Unsupported | None:
-        """Return why an effect cannot enter the likelihood; None where it can."""
+        """Return why an effect cannot be in the likelihood: an axis supports none of them."""
         if effect.acts_on not in ("friction", "drive"):
-            return Unsupported("It acts on sensors that an axis has not.")
+            return Unsupported("It acts on sensors that an axis does not have.")
         if missing := effect.needs - self.offers:
-            return Unsupported(f"It needs what an axis has not: {', '.join(sorted(missing))}.")
+            needs = ", ".join(sorted(missing))
+            return Unsupported(f"It needs data that this recording does not have: {needs}.")
         suited = self.measures.effect(effect)
         state = self._state(self._rough)
         for law in suited.laws.values():
             response = np.asarray(law(small_values(suited), state), dtype=np.float64)
             if reason := why_inert(response):
                 return reason
-        return Unsupported("A fit of an axis has mass and friction alone; effects are diagnosed.")
+        return Unsupported("A fit of an axis has only mass and friction: diagnose finds effects.")
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
     ) -> LinearAxis:
-        """Return the rows of a linear model; an effect starts no run."""
+        """Return the windows as a linear model; acting effects do not change them."""
         del acting
         return self._around(laws[SIZE])
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "AxisRuns | None":
-        """Return recorded paths, run otherwise; None beside a simulator, which says no force."""
+        """Return proposed runs; None if their drive force cannot be computed.
+
+        That is so with a simulator, with a servo, and if the force depends on other joints or on a
+        payload.
+        """
         if self._beside is not None or self.source is None or self.servo is not None:
             return None
         if self.readings.beside.shape[1] or self.readings.known_held.any():
-            return None  # what a run would take depends on other joints, or on its payload
+            return None
         law = AxisLaw.of(laws[SIZE])
         laid = lay_out(self.source, set(self.table["run"]), self.constants, self.readings, law)
         if laid is None:
@@ -271,26 +283,26 @@ class AxisRuns(EnteredRuns):
         law: FrictionLaw = BASELINES[COULOMB_VISCOUS],
         effects: Sequence[ActiveEffect] = (),
     ) -> ExactLikelihood:
-        """Return the density of the rows."""
-        del analysis, effects  # priors are the machine's; what acts beside the law is diagnosed
-        own = self.under(law)
-        beside = own._beside
-        rows = own._rows(own._rough)
+        """Return the likelihood of the windows for a law, or for the simulator that replaces it."""
+        del analysis, effects  # priors are in the machine's scales; effects are only diagnosed
+        under_law = self.under(law)
+        beside = under_law._beside
+        rows = under_law._rows(under_law._rough)
         if beside is not None:
-            rows = own._around(Coefficients(*(*beside.centre, 0.0, 0.0, 0.0)[:3]))
-        return ExactLikelihood(AxisModel(own.table, rows, own.measures))
+            rows = under_law._around(Coefficients(*(*beside.centre, 0.0, 0.0, 0.0)[:3]))
+        return ExactLikelihood(AxisModel(under_law.table, rows, under_law.measures))
 
     def predicted(self, view: Predictive) -> xr.Dataset:
-        """Return friction of each run, and predicted for a new run."""
+        """Return the estimated friction of each run, and that predicted for a new run."""
         assert isinstance(view.likelihood, ExactLikelihood)
         assert isinstance(view.likelihood.model, AxisModel)
         return runs_dataset(view.likelihood.model, self.table, view)
 
     def _around(self, law: Coefficients) -> LinearAxis:
-        """Return rows around a law, or around a simulator with these parameters."""
+        """Return windows linearised around a law, or around a simulator with these parameters."""
         if self._beside is None:
             around = AxisLaw.of(law)
-            if "c2" in self._lacks:  # effects and scatter still go by the friction that is there
+            if "c2" in self._lacks:  # effects and scatter are relative to the actual friction
                 around = around._replace(coulomb=self._rough.coulomb)
             return self._rows(around)
         theta = tuple(float(np.asarray(value)) for value in law)
@@ -315,7 +327,7 @@ class AxisRuns(EnteredRuns):
 def opened(
     rig: Rig, axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
 ) -> AxisRuns | None:
-    """Return the runs in which the axis moves; None without any."""
+    """Return the runs in which the axis moves; None if none can be used."""
     entered = entering(axis, constants, simulator)
     if isinstance(entered, Unsupported):
         return None

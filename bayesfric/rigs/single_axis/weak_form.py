@@ -1,24 +1,23 @@
-"""Force and momentum over short windows: what a log says of friction without a derivative.
+"""The weak form of the equation of motion: mean forces over windows, without any derivative.
 
-Multiplied by a smooth test function φ that vanishes with its first two derivatives at both
-ends of a window, and integrated by parts twice, m q̈ = F − … becomes
+The equation of motion m q̈ = F − friction is multiplied by a smooth test function φ, which vanishes
+with its first two derivatives at both ends of a window. Integrated by parts twice, it becomes
 
-    ∫ φ F dt = m ∫ φ'' q dt + ∫ φ (friction) dt :
+    ∫ φ F dt = m ∫ φ'' q dt + ∫ φ (friction) dt .
 
-position enters as it was measured, and no difference of it is ever taken. With ∫ φ dt = 1
-a row is a mean force over the window. The derivatives of the drive force, to which a
-delay answers, come likewise: ∫ φ F' dt = −∫ φ' F dt.
+It contains the position as it was measured, without any finite difference. With ∫ φ dt = 1, each
+window gives a mean force. Derivatives of the drive force, which determine a delay, are computed in
+the same way: ∫ φ F' dt = −∫ φ' F dt.
 
-A window counts where the axis runs one way all through it, faster than the position
-resolves; about a reversal nothing is assumed but that friction opposes.
+A window is used if the axis moves in one direction throughout, faster than the resolution of the
+position. Nothing is assumed of friction at a reversal, except that it opposes the motion.
 
 **Noise of the position in a closed loop.** An error e of the position enters as −m ∫ φ'' e dt.
-The controller answers it with a force that is in the log and moves the axis: what is logged is
-what acted, so this force is no error. What is left is the error of the regressor ∫ φ'' q dt,
-which makes the mass too small by the share var(∫ φ'' e dt) / var(∫ φ'' q dt). The width of a
-window is chosen so that m ∫ φ'' e dt is about a hundredth of the drive force; against
-accelerations that take a tenth of the drive force the share is at most 1 %, and falls with the
-fifth power of the width.
+The controller responds to it with a force that is in the log and moves the axis. This force acted
+as it was logged, so it is no error. What remains is the error of the regressor ∫ φ'' q dt. It makes
+the mass too small by the share var(∫ φ'' e dt) / var(∫ φ'' q dt). The width of a window is chosen
+so that m ∫ φ'' e dt is about a hundredth of the drive force. If the acceleration takes a tenth of
+the drive force, the share is at most 1 %; it decreases with the fifth power of the width.
 """
 
 from dataclasses import dataclass
@@ -30,20 +29,20 @@ from scipy.special import roots_jacobi
 
 from bayesfric.arrays import Array, Whole
 
-NODES = 25  # of a mean over a window of what is known all through it, as edges along the path
+NODES = 25  # places in a window at which laws are evaluated
 HEIGHT = 35 / 32  # of (1 − u²)³, so that its integral is 1
 
 
 @dataclass(frozen=True)
 class TestFunction:
-    """φ and its derivatives at the 2k + 1 samples of a window, times the interval.
+    """φ and its derivatives at the 2k + 1 samples of a window, times the sampling interval.
 
     Parameters
     ----------
     half : int
-        k, samples on either side.
+        k, the number of samples on either side of the middle.
     value, slope, curvature : ndarray, shape (2k + 1,)
-        So that the product with samples is ∫ φ f dt, ∫ φ' f dt and ∫ φ'' f dt.
+        Weights whose products with samples of f are ∫ φ f dt, ∫ φ' f dt and ∫ φ'' f dt.
     """
 
     half: int
@@ -59,14 +58,14 @@ class TestFunction:
 
 @dataclass(frozen=True)
 class WeakForce:
-    """A force that may be known only under test functions: value + dp/dt + d²(curvature)/dt².
+    """A force value + d(momentum)/dt + d²(curvature)/dt², which is integrated in the weak form.
 
     Parameters
     ----------
     value : ndarray, shape (N,)
-        At every sample.
+        The part without a derivative, at every sample [N or N·m].
     curvature, momentum : ndarray, shape (N,), or None
-        What stands under the second and the first derivative; None is nothing.
+        Signals whose second and first derivatives are forces; None means 0.
     """
 
     value: Array
@@ -84,14 +83,14 @@ class WeakForce:
 
 
 def test_function(half: int, interval_s: float) -> TestFunction:
-    """Return (1 − u²)³ over 2k + 1 samples, exact for polynomials of second degree.
+    """Return the test function (1 − u²)³ over 2k + 1 samples, exact for second-degree polynomials.
 
     Parameters
     ----------
     half : int
-        k, at least 3.
+        k, the number of samples on either side of the middle; at least 3.
     interval_s : float
-        Between samples [s].
+        Time between samples [s].
     """
     place = np.arange(-half, half + 1.0)
     width = (half + 1) * interval_s
@@ -101,7 +100,7 @@ def test_function(half: int, interval_s: float) -> TestFunction:
     slope = HEIGHT / width**2 * (-6 * u * inside**2)
     curvature = HEIGHT / width**3 * (-6 * inside**2 + 24 * u**2 * inside)
     powers = np.stack([np.ones_like(place), place * interval_s, (place * interval_s) ** 2])
-    # A sum is no integral: what it has wrong of 1, t and t² is set right.
+    # The weights are corrected so that the sums are exact integrals for 1, t and t².
     rows = []
     moments = ((1.0, 0.0, None), (0.0, -1.0, 0.0), (0.0, 0.0, 2.0))
     for kernel, wanted in zip((value, slope, curvature), moments, strict=True):
@@ -118,6 +117,6 @@ def test_function(half: int, interval_s: float) -> TestFunction:
 
 @cache
 def node_weights() -> tuple[Array, Array]:
-    """Return places in a window, from −1 to 1, and weights of a mean under φ."""
+    """Return places in a window, from −1 to 1, and their weights in a mean under φ, (P,) each."""
     places, weights = roots_jacobi(NODES, 3, 3)
     return np.asarray(places), np.asarray(weights / weights.sum())

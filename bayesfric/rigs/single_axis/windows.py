@@ -12,26 +12,26 @@ from bayesfric.rigs.single_axis.rough import pull_columns, rough_law
 from bayesfric.rigs.single_axis.run_rows import SMOOTHED, rows_of_run
 from bayesfric.rigs.single_axis.weak_form import node_weights, test_function
 
-MOST = 3000  # rows of a recording
-ROWS_A_COLUMN = 3  # that tell what columns leave of another
-LATEST_S = 0.05  # of a force, in which its rate is told exactly
+MOST = 3000  # most windows of a recording
+ROWS_A_COLUMN = 3  # least windows for each column of a regression
+LATEST_S = 0.05  # largest delay of a force for which its rate is exact enough
 
 
 def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[float, float]:
-    """Return half the width of a window [s], and windows' distance as a share of that.
+    """Return half the width of a window [s], and the distance of windows relative to that.
 
-    What is known of the force may be the acceleration in another form, without the errors of this
-    log's positions: where these are much of what it leaves, its share would take the inertia's
-    place.
+    A known force may be proportional to the acceleration, but without the errors of this log's
+    positions. If these errors were a large part of its residual acceleration, its relative error
+    would explain the inertia. So they must be a small part too.
     """
     logs = [replace(log, beside=log.beside[:1] * (len(log.beside) == 1)) for log in logs]
     moved = float(np.mean([log.known_inertia for log in logs]))
     length = sum(log.time_s.size * log.interval_s for log in logs)
     half_s, longest = _narrowest_and_widest(logs, noise)
     if any(log.sent is not None for log in logs):
-        # Delay and damping of a servo are told apart by little: its windows are as wide as can be.
+        # Only small differences separate a servo's delay from damping, so windows are widest.
         half_s = longest
-    # Widths from the first quiet one on, and the acceleration's error over what is its own there.
+    # Acceptable half-widths, with the error of the acceleration relative to its independent part.
     tried: list[tuple[float, float]] = []
     while half_s < longest:
         rows = [
@@ -59,11 +59,12 @@ def _told_best(tried: Sequence[tuple[float, float]], widest: float) -> float:
 
 
 def _told_by(rows: Sequence[dict[str, Array]]) -> tuple[float, float, float, float]:
-    """Return the rough mass and rms force, and what else there is leaves of the acceleration.
+    """Return the rough mass, the rms force, and two residual accelerations.
 
-    Beside what is known of the force, and beside the law and what pulls to a place: in a free
-    swing a weight pulls as the acceleration goes. Errors of positions as large as what is left
-    make the mass too small, however little force they are with so small a mass.
+    They are the rms residuals after regression on the known force, and on the law with forces of
+    the position (in a free swing, the force of a weight is proportional to the acceleration). If
+    errors of positions are as large as such a residual, the mass is underestimated, although they
+    make little force with that mass.
     """
     force, way = joined(rows, "force"), joined(rows, "way")
     acceleration, speed = joined(rows, "acceleration"), joined(rows, "speed")
@@ -78,11 +79,11 @@ def _told_by(rows: Sequence[dict[str, Array]]) -> tuple[float, float, float, flo
 
 
 def _beyond(values: Array, columns: Array) -> float:
-    """Return the rms of what columns leave of values; infinite where there are none."""
+    """Return the rms residual of values after regression on columns; infinite without columns."""
     if not columns.size:
         return np.inf
-    rest = values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0]
-    return float(np.sqrt(np.mean(rest**2)))
+    residual = values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0]
+    return float(np.sqrt(np.mean(residual**2)))
 
 
 def _narrowest_and_widest(logs: Sequence[EvenLog], noise: float) -> tuple[float, float]:
@@ -96,38 +97,41 @@ def _narrowest_and_widest(logs: Sequence[EvenLog], noise: float) -> tuple[float,
 
 
 def widest_half_s(logs: Sequence[EvenLog], noise: float) -> float:
-    """Return half of the widest window that a pass has room for [s]."""
+    """Return half the width of the widest window for the length of the passes [s]."""
     return _narrowest_and_widest(logs, noise)[1]
 
 
 def half_samples(half_s: float, log: EvenLog) -> int:
-    """Return half a window in samples of a run."""
+    """Return half the width of a window in samples of a run."""
     return max(AXIS_RULES.narrowest_at_turns, round(half_s / log.interval_s))
 
 
 def position_sd(logs: Sequence[EvenLog], resolution: float | None) -> float:
-    """Return the standard deviation of a position's error, the median of runs."""
+    """Return the standard deviation of a position's error, the median over runs [m or rad]."""
     return float(np.median([position_noise(log, resolution) for log in logs]))
 
 
 def pass_s(logs: Sequence[EvenLog], noise: float) -> float:
-    """Return the median time that the axis runs one way [s]; a quarter of it counts at least."""
+    """Return the typical duration of a pass in one direction [s]; 0 if there is no pass.
+
+    Half of the time in motion belongs to passes of at least this duration.
+    """
     lengths = np.concatenate([_stretches(log, noise)[0] for log in logs])
     if not lengths.size:
         return 0.0
-    # Of the time, not of the passes: at a reversal noise makes many short ones.
+    # A median over time, not over passes: noise at a reversal makes many short passes.
     order = np.sort(lengths)
     return float(order[np.searchsorted(np.cumsum(order), 0.5 * order.sum())])
 
 
 def sticking_share(logs: Sequence[EvenLog], noise: float) -> float:
-    """Return the share of rests after which the axis goes on the same way; 0 without rests."""
+    """Return the share of stops after which the direction is the same; 0 without stops."""
     goes_on = [np.diff(_stretches(log, noise)[1]) == 0 for log in logs]
     return float(np.mean(np.concatenate(goes_on))) if sum(map(len, goes_on)) else 0.0
 
 
 def _stretches(log: EvenLog, noise: float) -> tuple[Array, Array]:
-    """Return how long the axis runs one way [s] each time, and which way."""
+    """Return the duration [s] and the direction of each pass."""
     way = smooth_motion(log, resolving(log, SMOOTHED, noise), noise)[2]
     edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
     if edges.size < 2:
@@ -137,10 +141,7 @@ def _stretches(log: EvenLog, noise: float) -> tuple[Array, Array]:
 
 
 def joined(rows: Sequence[dict[str, Array]], name: str) -> Array:
-    """Return one field of all runs, its mean over a window where it has places inside, (W,).
-
-    It is the mean that the force is: over a wide window another says less of a short pass.
-    """
+    """Return one field of all runs; values at places inside windows are averaged under φ, (W,)."""
     values, weights = [row[name] for row in rows], node_weights()[1]
     return np.concatenate([part @ weights if part.ndim > 1 else part for part in values])
 
