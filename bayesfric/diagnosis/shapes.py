@@ -23,6 +23,7 @@ from bayesfric.inference.information import Reduced
 WIDEST = 2.4  # normal quantile of a shape
 GRID = np.linspace(-WIDEST, WIDEST, 49)
 FINER, ZOOMS = np.linspace(-1.0, 1.0, 13), 3
+MAXIMA = 3  # over a shape, around which the grid is refined
 SWEEPS = 2  # over the shapes of effects that act together, one shape at a time
 NEAREST = 1e-100  # least absolute mean in standard deviations
 LOG_2 = float(np.log(2))
@@ -219,9 +220,10 @@ class Quadratic:
             self._coarse[key] = laws[which].weights(grid)
         values_along = values(self._coarse[key])
         width = grid[1] - grid[0]
+        # A narrow maximum between two places of the grid may be higher than a wide one at a place.
         for _ in range(ZOOMS):
-            best = grid[np.argmax(values_along)]
-            more = np.clip(best + width * FINER, -WIDEST, WIDEST)
+            near = grid[_highest(values_along)]
+            more = np.unique(np.clip(near[:, None] + width * FINER, -WIDEST, WIDEST))
             grid, first = np.unique(np.append(grid, more), return_index=True)
             values_along = np.append(values_along, values(laws[which].weights(more)))[first]
             width *= FINER[1] - FINER[0]
@@ -245,6 +247,14 @@ class Quadratic:
         value = float(self.values(laws, at, exact=True)[0]) if laws else 0.0
         weight = sum(law.log_weight for law in laws)
         return Choice(tuple(laws), tuple(shapes), value + gain + weight)
+
+
+def _highest(values: Array) -> Whole:
+    """Return the places of the highest local maxima, at most :data:`MAXIMA`."""
+    rises = np.append(True, values[1:] > values[:-1])
+    falls = np.append(values[1:] <= values[:-1], True)
+    maxima = np.flatnonzero(rises & falls)
+    return maxima[np.argsort(-values[maxima], kind="stable")[:MAXIMA]]
 
 
 def choose(

@@ -96,6 +96,18 @@ def test_a_shape_is_integrated_however_well_it_is_known(strength):
         assert found.shapes[0] == pytest.approx(shape, abs=0.1)
 
 
+def test_a_narrow_maximum_between_places_is_found_beside_one_at_an_edge():
+    """A lever half a turn away pulls the other way: it is nearly the same one, at an edge."""
+    nodes = np.linspace(-2.4, 2.4, 13)
+    shape, turn, strength = 1.454, np.pi / (1.454 + 2.41), 1e5
+    precision = strength * np.cos(turn * (nodes[:, None] - nodes))
+    slope = strength * np.cos(turn * (nodes - shape))
+    law = Law("one", "a", tuple(range(13)), tuple(nodes), 0.0)
+    form = quadratic(Normal(mean=0.0, sd=1.0), precision=precision, slope=slope)
+    (choice,) = choose(form, {"one": (law,)}, ["one"])
+    assert choice.shapes[0] == pytest.approx(shape, abs=0.01)
+
+
 def turning(other_prior):
     """Two laws with shapes, which pull at what a third law does, and their form."""
     nodes = np.linspace(-2.4, 2.4, 7)
