@@ -12,6 +12,8 @@ COUNTS = 3  # least number of encoder counts by which a held position moves at a
 SENSED = frozenset({"motor", "link", "measured"})  # kinds of force that a sensor measures
 ANSWERS = 0.9  # negative correlation of the changes of force with those of position
 FEWEST = 10  # least number of new readings for a regular interval
+OTHERS = 20  # least number of other intervals that show the clock of a coarse encoder
+QUIET = 0.5  # mean square change of a held force within readings, relative to that between them
 
 
 def renewed(values: Array) -> Flags:
@@ -95,7 +97,11 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
         time, new = samples["time_s"].to_numpy(dtype=np.float64), renewed(force)
         samples = samples.assign(force_n=np.interp(time, time[new], force[new]))
     if position_held > 1:
-        samples = samples[_readings(position, force)].reset_index(drop=True)
+        new = _readings(position, force)
+        if _is_quiet_between(force, new):
+            force_held = position_held
+            samples = samples.assign(force_n=_means_of(force, new))
+        samples = samples[new].reset_index(drop=True)
     held = [
         f"{name} for {count} samples"
         for name, count in (("position", position_held), ("force", force_held))
@@ -150,7 +156,8 @@ def position_held_for(position: Array, force: Array) -> int:
     """Return for how many samples each position is held; 1 for a coarse encoder, which is not held.
 
     A coarse encoder moves by few counts at a time and may rest at one. Its position counts as held
-    if it moves only at new readings of the force: one clock then reads both.
+    if it moves only at new readings of the force (one clock then reads both), or only at every
+    n-th row, however long it rests between.
 
     Parameters
     ----------
@@ -159,7 +166,53 @@ def position_held_for(position: Array, force: Array) -> int:
     """
     if _jumps(position):
         return held_for(position)
-    return held_for(force) if _moves_with(position, force) else 1
+    by_force = held_for(force) if _moves_with(position, force) else 1
+    return by_force if by_force > 1 else _in_step(position)
+
+
+def force_is_held(position: Array, force: Array) -> bool:
+    """Return whether a force is held as its position is, be it noisy from row to row.
+
+    Parameters
+    ----------
+    position, force : ndarray, shape (N,)
+        Of a run whose position is held.
+    """
+    return held_for(force) > 1 or _is_quiet_between(force, _readings(position, force))
+
+
+def _in_step(position: Array) -> int:
+    """Return the largest n of which nearly all intervals between moves are multiples, or 1.
+
+    A coarse encoder at one speed moves at equal intervals too. So the most frequent interval does
+    not count.
+    """
+    between = np.diff(np.flatnonzero(renewed(position)[1:]))
+    if between.size < OTHERS:
+        return 1
+    lengths, counts = np.unique(between, return_counts=True)
+    others = between[between != lengths[np.argmax(counts)]]
+    if others.size < OTHERS:
+        return 1
+    for count in range(int(np.median(between)), 1, -1):
+        if min(np.mean(of % count == 0) for of in (between, others)) >= MOSTLY:
+            return count
+    return 1
+
+
+def _is_quiet_between(force: Array, new: Flags) -> bool:
+    """Return whether a force changes much less within readings than from one to the next."""
+    change2, at_new = np.diff(force) ** 2, new[1:]
+    if min(at_new.sum(), (~at_new).sum()) < FEWEST:
+        return False
+    within = float(change2[~at_new].mean())
+    return 0 < within < QUIET * float(change2[at_new].mean())
+
+
+def _means_of(force: Array, new: Flags) -> Array:
+    """Return the mean of each reading's rows at all of them, (N,)."""
+    reading = np.cumsum(new) - 1
+    return np.asarray((np.bincount(reading, force) / np.bincount(reading))[reading])
 
 
 def _moves_with(position: Array, force: Array) -> bool:
@@ -170,7 +223,14 @@ def _moves_with(position: Array, force: Array) -> bool:
 
 def _readings(position: Array, force: Array) -> Flags:
     """Return the samples at which a held position has a new reading, (N,)."""
-    return renewed(position) if _jumps(position) else renewed(force)
+    if _jumps(position):
+        return renewed(position)
+    if held_for(force) > 1 and _moves_with(position, force):
+        return renewed(force)
+    count, moved = _in_step(position), renewed(position)
+    phases = np.bincount(np.flatnonzero(moved[1:]) % count)
+    rows = np.arange(-1, position.size - 1)  # before each move
+    return np.asarray((rows < 0) | (rows % count == np.argmax(phases)))
 
 
 def _jumps(position: Array) -> bool:

@@ -116,6 +116,28 @@ def test_a_coarse_encoder_that_is_held_with_its_force_is_read_where_the_force_is
     np.testing.assert_array_equal(rows["position_m"], position[::3])
 
 
+def test_a_coarse_encoder_that_is_held_moves_in_step_beside_a_noisy_force():
+    """Where its force is new in every row, only the rows of its moves show that it is held."""
+    rng = np.random.default_rng(5)
+    time = 0.002 * np.arange(6000)
+    position = 4e-3 * np.round(0.6 * np.sin(2 * np.pi * 0.4 * time) / 4e-3)
+    held = np.arange(6000) // 2 * 2
+    force = np.sin(7 * time) + 0.3 * rng.standard_normal(6000)
+    noisy = force[held] + 0.01 * rng.standard_normal(6000)
+    samples = pd.DataFrame({"time_s": time, "position_m": position[held], "force_n": noisy})
+    rows, said = released(samples, "motor")
+    assert said == "each reading is held, position for 2 samples and force for 2 samples"
+    np.testing.assert_array_equal(rows["position_m"], position[::2])
+    np.testing.assert_allclose(rows["force_n"], noisy.reshape(-1, 2).mean(axis=1))
+    assert position_held_for(position, noisy) == 1
+
+
+def test_a_coarse_encoder_at_one_speed_moves_in_step_and_is_not_held():
+    position = 1e-3 * (np.arange(1200) // 6)
+    noise = np.random.default_rng(6).standard_normal(1200)
+    assert position_held_for(position, noise) == 1
+
+
 def test_a_position_that_moves_a_few_times_when_its_force_does_may_do_so_by_chance():
     force = np.repeat(np.random.default_rng(4).standard_normal(100), 2)
     position = np.where(np.arange(200) < 60, 0.0, np.where(np.arange(200) < 120, 1e-3, 2e-3))

@@ -28,7 +28,7 @@ import pandas as pd
 from bayesfric.arrays import Array, Flags
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import Parameter, from_normal
-from bayesfric.recording.held import held_for, position_held_for, released
+from bayesfric.recording.held import force_is_held, position_held_for, released
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog, even_grid, smooth_motion
 from bayesfric.rigs.single_axis.force_faults import clipped
@@ -186,7 +186,7 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
         force = whole["force_n"].to_numpy(dtype=np.float64)
         # If only the positions are held, each force acted until the next sample. If the force is
         # held too, it is a sample of a force that changed in between.
-        steps = held_for(force) == 1
+        steps = not force_is_held(whole["position_m"].to_numpy(dtype=np.float64), force)
         if steps:
             columns["force"], own = force, _time_of_force(whole)
     log = even_grid(time, columns, force_time_s=own, steps=steps)
