@@ -41,8 +41,11 @@ class ApartModel(Model):
         """Return a starting point in the sampling space without a difference, shape (D,)."""
         return self._start
 
-    def log_likelihood(self, theta: Array) -> Array:
-        """Return the log density of the raw data of both rigs, shape (W,)."""
+    def _log_likelihood(self, theta: Array) -> Array:
+        """Return the log density of the raw data of both rigs for as many walkers as fit a cache.
+
+        Shape (W,).
+        """
         named = self.by_name(theta)
         own = {
             f"{name}[{size}]": (1 + share) * named[f"{name}[{size}]"]

@@ -64,12 +64,14 @@ def run(
     loops = [loop_path(file) for file in loop or []]
     for file in loops:  # a fault in one, likewise
         read_loop(file)
-    with hold(output, "run"), processes(workers) as executor:
+    # What a diagnosis leaves in its process is not held beside what claims need.
+    with hold(output, "run"), processes(workers) as executor, processes(1) as of_diagnosis:
         happened = run_into(
             recording if recording is not None else bundled_recording(),
             output,
             analysis,
             executor,
+            of_diagnosis,
             loops=loops,
             junit=junit,
             rigs=chosen,
@@ -88,6 +90,7 @@ def run_into(
     output: Path,
     analysis: "Analysis",
     executor: "Executor",
+    of_diagnosis: "Executor",
     *,
     loops: list[Path],
     junit: Path | None = None,
@@ -112,7 +115,7 @@ def run_into(
     stages = Stages(output, _key(recording, analysis, loops, rigs, baseline), quiet=quiet)
 
     diagnosing = partial(diagnosed, recording, output, analysis, baseline=baseline)
-    begun = executor.submit(diagnosing) if beside and not stages.stands("diagnosis") else None
+    begun = of_diagnosis.submit(diagnosing) if beside and not stages.stands("diagnosis") else None
     happened = stages.after(
         "fit", lambda: fit_into([recording], output, analysis, loops=loops, quiet=quiet, **asked)
     )
@@ -124,7 +127,7 @@ def run_into(
     elsewhere: dict[str, float] = {}
 
     def diagnosis() -> "Diagnosed":
-        result = (begun or executor.submit(diagnosing)).result()
+        result = (begun or of_diagnosis.submit(diagnosing)).result()
         elsewhere["diagnosis"] = result.seconds
         return result
 

@@ -118,7 +118,6 @@ def draws_of_fit(
         density up to a constant. ``constant_data``: the condition of each trial.
     """
     observed = np.concatenate(list(rigs.values()))
-    again = observed + np.concatenate([left.more for left in left_out.values()], axis=-1)
     before = model.draw_prior(PRIOR_DRAWS, rng)
     # The density is that in the sampling space, in which every prior is N(0, 1).
     whole = stored.log_density + 0.5 * (LOG_2PI + stored.z**2).sum(axis=-1)
@@ -129,7 +128,9 @@ def draws_of_fit(
         {
             "posterior": posterior,
             "prior": _variables(model, before[None]),
-            "posterior_predictive": {"friction": _single(again, stored.log_density.shape)},
+            "posterior_predictive": {
+                "friction": _made_again(observed, left_out, stored.log_density.shape)
+            },
             "prior_predictive": {"friction": _predicted(model, before, rng)},
             "observed_data": {"friction": observed},
             "constant_data": {name: table[name].to_numpy() for name in CONDITION if name in table},
@@ -186,10 +187,22 @@ def _log_likelihood(left_out: Mapping[str, LeftOut], whole: Array) -> dict[str, 
     """
     trials = np.concatenate([left.trial_log_likelihood for left in left_out.values()], axis=-1)
     setups = np.concatenate([left.setup_log_likelihood for left in left_out.values()], axis=-1)
-    trials = STEP * np.rint(trials.reshape(*whole.shape, -1) / STEP)
+    trials = trials.reshape(*whole.shape, -1)
+    trials /= STEP  # in place, here and below: no array of a fit is larger
+    np.rint(trials, out=trials)
+    trials *= STEP
     setups = setups.reshape(*whole.shape, -1)
     parts = trials.sum(axis=-1) + setups.sum(axis=-1)
     return {"friction": trials, "assembly": setups, "overlap": whole - parts}
+
+
+def _made_again(
+    observed: Array, left_out: Mapping[str, LeftOut], shape: tuple[int, ...]
+) -> NDArray[np.float32]:
+    """Return the friction of replicates of each trial given all others."""
+    again = np.concatenate([left.more for left in left_out.values()], axis=-1)
+    again += observed
+    return _single(again, shape)
 
 
 def _predicted(model: Model, prior: Array, rng: np.random.Generator) -> NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""The figures of a document, drawn by this process and by a helper process."""
+"""The figures and the PDF of a document, made by this process and by a helper process."""
 
 import importlib
 from collections.abc import Callable
@@ -49,3 +49,23 @@ def draw_figures(document: Document, executor: Executor) -> Document:
         blocks=tuple(shown(block) for block in document.blocks),
         details=tuple(shown(block) for block in document.details),
     )
+
+
+def typeset(document: Document, executor: Executor | None = None) -> bytes:
+    """Return the PDF of a document.
+
+    Parameters
+    ----------
+    document : Document
+        From :func:`draw_figures` where a helper typesets.
+    executor : Executor or None
+        Who helps: Typst takes 60 MiB, beside all that a run left in this process.
+    """
+    if executor is not None:
+        try:
+            return executor.submit(typeset, document).result()
+        except BrokenExecutor:  # who helps has died: nothing is lost but time
+            return typeset(document)
+    from bayesfric.report.typst import render_pdf
+
+    return render_pdf(document)

@@ -4,7 +4,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from pathlib import Path
 
-from bayesfric.report.drawing import draw_figures, get_ready
+from bayesfric.report.drawing import draw_figures, get_ready, typeset
 
 
 def write_report(
@@ -19,7 +19,7 @@ def write_report(
     before : Path or None
         Results of an earlier run, which these are compared with.
     executor : Executor or None
-        Who helps drawing, beside this process; the bytes are the same with none.
+        Who draws beside this process, and typesets; the bytes are the same with none.
 
     Raises
     ------
@@ -34,7 +34,6 @@ def write_report(
     from bayesfric.report.html import render_html
     from bayesfric.report.markdown import render_summary
     from bayesfric.report.stored import read_stored
-    from bayesfric.report.typst import render_pdf
     from bayesfric.results import replace_outputs
 
     stored = read_stored(folder)
@@ -48,7 +47,7 @@ def write_report(
     replace_outputs(
         folder,
         {
-            "report.pdf": render_pdf(document),
+            "report.pdf": typeset(document, executor),
             "report.html": render_html(document).encode(),
             "summary.md": render_summary(document).encode(),
         },

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from altered import by_acceleration
 
@@ -11,6 +12,7 @@ from bayesfric.claims import check_claims
 from bayesfric.claims.apart import ApartModel
 from bayesfric.claims.entered import Entered
 from bayesfric.claims.rigs_agree import agree
+from bayesfric.inference.model import BATCH
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
 
@@ -67,6 +69,32 @@ def test_the_second_rig_s_law_is_the_first_s_times_1_plus_the_difference():
     }
     expected = first.log_likelihood(point) + second.log_likelihood(point | own)
     assert model.log_likelihood(theta) == pytest.approx(expected, rel=1e-14)
+
+
+class Rig:
+    """A rig without parameters, which notes how many walkers it is asked about at once."""
+
+    parameters, setups, sizes = (), (), ("small",)
+    trials = pd.DataFrame({"trial": np.arange(BATCH // 8)})
+
+    def __init__(self):
+        self.walkers = []
+
+    def start(self):
+        return {}
+
+    def log_likelihood(self, theta):
+        self.walkers.append(len(theta["rig_difference"]))
+        return theta["rig_difference"]
+
+
+def test_two_rigs_are_asked_about_no_more_walkers_than_fit_a_cache():
+    first, second = Rig(), Rig()
+    model = ApartModel(first, second, Analysis().priors)
+    difference = np.arange(9.0)
+    density = model.log_likelihood(np.stack([difference, np.zeros(9)], axis=1))
+    assert density == pytest.approx(2 * difference)
+    assert first.walkers == second.walkers == [4, 4, 1]
 
 
 def test_rigs_without_a_size_in_common_cannot_be_compared():

@@ -172,7 +172,10 @@ def test_the_diagnosis_begins_before_the_fit_and_not_where_it_is_done(
         (output / "diagnosis.json").write_text(str(diagnosis()))
         return set()
 
-    monkeypatch.setattr("bayesfric.campaign.processes", lambda workers: nullcontext(Elsewhere()))
+    def processes(workers):  # the diagnosis has one of its own, which claims do not use
+        return nullcontext(Elsewhere() if workers == 1 else None)
+
+    monkeypatch.setattr("bayesfric.campaign.processes", processes)
     monkeypatch.setattr(RUN, "diagnose_into", diagnose_into)
     interrupted["report"] = 1
     assert [run(tmp_path, "--workers", "2").exit_code for _ in range(2)] == [3, 0]

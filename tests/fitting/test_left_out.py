@@ -1,6 +1,7 @@
 """Trials and assemblies left out: exact refits, and probabilities with a known answer."""
 
 import dataclasses
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from bayesfric.analysis import Analysis, HalfNormal, LogNormal, Priors, Sampler
 from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.fitting.posterior import fit
 from bayesfric.fitting.predictive.left_out import (
+    by_blocks,
     leave_out,
     leave_setups_out,
     setup_log_densities,
@@ -51,6 +53,26 @@ def fitted(recording, analysis=None, without=()):
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     found, z = importance_draws(model.log_posterior, laplace, 1, chart_of(model), 6000)
     return model, likelihood, laplace.mode, z, found
+
+
+class Named:
+    """A model of which only the names are asked."""
+
+    def natural(self, z):
+        return z
+
+    def by_name(self, theta):
+        return {"x": theta[:, 0]}
+
+
+def test_blocks_of_draws_join_without_a_second_copy():
+    z, columns = np.arange(1050.0)[:, None], np.arange(500.0)
+    tracemalloc.start()
+    found = by_blocks(Named(), lambda theta: theta["x"][:, None] * columns, z)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert (found == z * columns).all()
+    assert found.nbytes <= peak < 1.4 * found.nbytes
 
 
 @pytest.fixture(scope="module")

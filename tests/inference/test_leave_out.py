@@ -1,5 +1,7 @@
 """Leave-one-group-out from draws, against the closed form of a conjugate model."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from inference.conjugate import LinearGaussian
@@ -260,6 +262,18 @@ def test_bad_densities_are_refused(log_likelihood, match):
         elpd(log_likelihood)
     with pytest.raises(ValueError, match=match):
         without_each(log_likelihood)
+
+
+def test_weights_take_one_array_more_and_what_comes_of_them_none():
+    rng = np.random.default_rng(1)
+    log_likelihood, cdf = rng.normal(size=(500, 400)), rng.uniform(size=(500, 400))
+    tracemalloc.start()
+    without = without_each(log_likelihood)
+    elpd(log_likelihood, without=without)
+    loo_pit(cdf, without)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert log_likelihood.nbytes <= peak < 1.1 * log_likelihood.nbytes
 
 
 def test_shapes_that_differ_are_refused():

@@ -10,7 +10,7 @@ from bayesfric.plots.posterior import coefficients_relative_to_paper
 from bayesfric.plots.residuals_by_order import residuals_by_order
 from bayesfric.plots.style import svg_of
 from bayesfric.report.content import Document, Figure
-from bayesfric.report.drawing import draw_figures, get_ready
+from bayesfric.report.drawing import draw_figures, get_ready, typeset
 
 
 class Helper(Executor):
@@ -76,3 +76,10 @@ def test_another_process_draws_the_same_bytes(small_fit):
         get_ready(helper)
         there = [helper.submit(draw).result() for draw in draws]
     assert there == [draw() for draw in draws]
+
+
+@pytest.mark.parametrize("kind", ["fast", "dead"])
+def test_a_helper_typesets_once_and_the_pdf_is_its_own(kind):
+    plain, helper = Document("Title", "", numbered(0).blocks), Helper(kind)
+    assert typeset(plain, helper) == typeset(plain)
+    assert helper.asked == [typeset]

@@ -343,19 +343,25 @@ def _given_rest(
     model: Model, likelihood: RigLikelihood, z: Array, rng: np.random.Generator | None = None
 ) -> GivenRest:
     """Return the density of each trial and assembly given all others, at each point."""
-    parts = [
-        likelihood.given_rest(model.by_name(model.natural(block)), rng) for block in _blocks(z)
-    ]
-    return GivenRest(
-        *(np.concatenate(parts_of_field) for parts_of_field in zip(*parts, strict=True))
-    )
+    function = partial(likelihood.given_rest, rng=rng)
+    return GivenRest(*_by_blocks(model, function, z))
 
 
 def by_blocks(model: Model, function: Callable[..., Array], z: Array) -> Array:
     """Return a function of a likelihood at S points, computed in blocks, shape (S, …)."""
-    parts = [function(model.by_name(model.natural(block))) for block in _blocks(z)]
-    return np.concatenate(parts)
+    (whole,) = _by_blocks(model, lambda theta: (function(theta),), z)
+    return whole
 
 
-def _blocks(z: Array) -> list[Array]:
-    return [z[start : start + DRAWS_A_CALL] for start in range(0, len(z), DRAWS_A_CALL)]
+def _by_blocks(
+    model: Model, function: Callable[[Mapping[str, Array]], Sequence[Array]], z: Array
+) -> list[Array]:
+    """Return several functions at S points, each of shape (S, …), without a second copy of them."""
+    whole: list[Array] = []
+    for start in range(0, len(z), DRAWS_A_CALL):
+        block = slice(start, start + DRAWS_A_CALL)
+        parts = function(model.by_name(model.natural(z[block])))
+        whole = whole or [np.empty((len(z), *part.shape[1:])) for part in parts]
+        for values, part in zip(whole, parts, strict=True):
+            values[block] = part
+    return whole

@@ -158,9 +158,12 @@ def without_each(log_likelihood: Array) -> Without:
         If there are fewer than 100 draws, or if a density is not finite.
     """
     _check(log_likelihood)
-    smoothed = [smooth_weights(-column) for column in log_likelihood.T]
-    weights = np.stack([weight for weight, _ in smoothed], axis=1)
-    return Without(weights - logsumexp(weights, axis=0), np.array([k for _, k in smoothed]))
+    # Group by group, here and below: further arrays of this shape would double a fit's memory.
+    log_weights, pareto_k = np.empty_like(log_likelihood), np.empty(log_likelihood.shape[1])
+    for group, column in enumerate(log_likelihood.T):
+        smoothed, pareto_k[group] = smooth_weights(-column)
+        log_weights[:, group] = smoothed - logsumexp(smoothed)
+    return Without(log_weights, pareto_k)
 
 
 def elpd(
@@ -193,7 +196,9 @@ def elpd(
     """
     log_weights, pareto_k = without or without_each(log_likelihood)
     draws, groups = log_likelihood.shape
-    pointwise = logsumexp(log_weights + log_likelihood, axis=0)
+    pointwise = np.array(
+        [logsumexp(log_weights[:, group] + log_likelihood[:, group]) for group in range(groups)]
+    )
     limit_k = min(SAMPLING_RULES.pareto_k, 1 - 1 / np.log10(draws))
     refitted = np.zeros(groups, dtype=bool)
     if refit is not None:
@@ -267,11 +272,14 @@ def loo_pit(cdf: Array, without: Without) -> Array:
     A. Gelfand, D. Dey, H. Chang, "Model determination using predictive distributions
     with implementation via sampling-based methods", Bayesian Statistics 4 (1992).
     """
-    weights = np.exp(without.log_weights)
-    if cdf.shape != weights.shape:
-        raise ValueError(f"cdf {cdf.shape} and the weights {weights.shape} differ")
+    log_weights = without.log_weights
+    if cdf.shape != log_weights.shape:
+        raise ValueError(f"cdf {cdf.shape} and the weights {log_weights.shape} differ")
+    below = [
+        np.exp(column) @ of_group for column, of_group in zip(log_weights.T, cdf.T, strict=True)
+    ]
     # Rounding may put the sum of the weights above 1.
-    return np.asarray(np.clip((weights * cdf).sum(axis=0), 0.0, 1.0))
+    return np.clip(np.array(below), 0.0, 1.0)
 
 
 def _check(log_likelihood: Array) -> None:
