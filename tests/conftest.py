@@ -23,6 +23,7 @@ from bayesfric.invariants import broken, check_record
 from bayesfric.margins import computing
 from bayesfric.results import identified
 from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.single_axis import entering
 from bayesfric.simulate import simulate_recording
 
 # All draws are stored, and no walker stays where it is for all of them.
@@ -96,6 +97,15 @@ class AtOnce(Executor):
         except Exception as error:
             future.set_exception(error)
         return future
+
+
+@pytest.fixture
+def lengths_not_searched(monkeypatch):
+    """Open an axis without the search for lengths of play and springs: two thirds of its time.
+
+    For tests of what stands before it: windows, the rough law, clocks, limits, what a gear carries.
+    """
+    monkeypatch.setattr(entering, "with_lengths", lambda readings, table, measures, rig: measures)
 
 
 @pytest.fixture(scope="module")

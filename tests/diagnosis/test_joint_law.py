@@ -152,6 +152,7 @@ def switched_off():
     )
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 @pytest.mark.parametrize(
     ("baseline", "called", "lacks"),
     [
@@ -236,6 +237,7 @@ def test_what_is_declared_is_held_and_what_contradicts_it_comes_first():
     assert "friction before the sensor" in found.attention[1]
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_measured_force_neither_saturates_nor_lags():
     offers = {
         kind: AXIS.trials(LoadedJoint(**SHORT, constants={"force_is": kind}).recording()).offers
@@ -245,6 +247,7 @@ def test_a_measured_force_neither_saturates_nor_lags():
     assert lags == {"commanded", "unknown"}
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 @pytest.mark.parametrize(
     ("seen", "offered"),
     [("one way", False), ("both ways", True)],
@@ -261,6 +264,7 @@ def test_load_friction_wants_lifting_and_lowering_at_one_pose(seen, offered):
     assert ("load-both-ways" in runs.offers) == offered
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 @pytest.mark.parametrize("both_ways", [True, False])
 def test_one_load_one_way_says_that_it_cannot_tell(both_ways):
     """A winch that only lifts: what it loses by the load may be Coulomb friction, or a gain."""
@@ -279,6 +283,7 @@ def test_one_load_one_way_says_that_it_cannot_tell(both_ways):
     assert any("Lift and lower at one pose" in line for line in lines) != both_ways
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 @pytest.mark.parametrize("gravity", [0.0, 0.8])
 def test_a_lift_of_which_little_varies_says_that_it_cannot_tell(gravity):
     """What is constant of the load is Coulomb friction there, so that the load seems small."""

@@ -128,7 +128,7 @@ def test_a_trial_moves_as_another_integrator_says(name, law, values, phases, add
         events=[*crossings, end := lambda t, y: y[0] - 0.61],
         rtol=1e-11,
         atol=1e-13,
-        max_step=0.01,
+        max_step=0.05,
     )
     assert other.success
     expected = [found[0] for found in other.t_events[:-1]]

@@ -22,6 +22,7 @@ from bayesfric.results import read_json
 from bayesfric.rigs.single_axis import RIG
 from bayesfric.schemas import DiagnosisFile
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 mujoco = pytest.importorskip("mujoco")
 ARM = data_folder() / "logs" / "two-joint-arm"
 TRUTH = json.loads((ARM / "truth.json").read_text("utf-8"))

@@ -109,7 +109,9 @@ class Mini:
         return self
 
     def kind(self, file: str) -> "Mini":
-        """Keep the tables of the same kind as this one."""
+        """Keep the tables of the same kind as this one; of datapackage.json, all."""
+        if file == "datapackage.json":
+            return self
         stem = file.partition("_")[0]
         return self.keep(*(other for other in self.rows if other.startswith(stem)))
 

@@ -16,7 +16,7 @@ STEADY, SAMPLES = "steady_friction.csv", "axis_samples.csv"
 
 
 def faults_after(tmp_path: Path, file: str, edit: Callable[[str], str]) -> tuple[Fault, ...]:
-    files = Mini().contents()
+    files = Mini().kind(file).contents()
     folder = write_files(tmp_path, files | {file: edit(files[file].decode()).encode()})
     with pytest.raises(InputError) as caught:
         read_recording(folder)

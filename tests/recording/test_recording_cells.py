@@ -58,7 +58,7 @@ CASES = [
     ("file", "column", "value"), CASES, ids=[f"{f}-{c.name}-{v!r}" for f, c, v in CASES]
 )
 def test_wrong_cell_is_one_fault(tmp_path: Path, file: str, column: Column, value: str) -> None:
-    mini = Mini().kind(file).set(file, 3, column.name, value)
+    mini = Mini().keep(file).set(file, 3, column.name, value)
     with pytest.raises(InputError) as caught:
         read_recording(mini.write(tmp_path))
     faults = [f for f in caught.value.faults if (f.row, f.column) == (3, column.name)]

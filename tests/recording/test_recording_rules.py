@@ -270,7 +270,8 @@ RULES: list[tuple[str, Callable[[Mini], Mini], list[Place], str]] = [
 def test_broken_rule_gives_exactly_its_faults(
     tmp_path: Path, spoil: Callable[[Mini], Mini], expected_places: list[Place], rule: str
 ) -> None:
-    faults = faults_of(spoil(Mini()).write(tmp_path))
+    mini = Mini().kind(expected_places[0][0])
+    faults = faults_of(spoil(mini).write(tmp_path))
     assert places(faults) == expected_places
     assert all(rule in fault.expected for fault in faults)
 

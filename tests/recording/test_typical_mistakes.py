@@ -158,7 +158,7 @@ MISTAKES = {
         "are these units? take the row out",
     ),
     "another table's content": (
-        lambda mini: mini.contents() | {EVENTS: mini.contents()[RUNS]},
+        lambda mini: mini.contents() | {EVENTS: Mini().contents()[RUNS]},
         EVENTS,
         "is this motor_runs.csv?",
     ),
@@ -311,7 +311,7 @@ MISTAKES = {
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_is_one_line_that_names_it(tmp_path: Path, mistake: str) -> None:
     spoil, file, said = MISTAKES[mistake]
-    folder = write_files(tmp_path, spoil(Mini()))
+    folder = write_files(tmp_path, spoil(Mini().kind(file)))
     with pytest.raises(InputError) as caught:
         read_recording(folder)
     kinds = [fault for fault in caught.value.faults if fault.file == file]

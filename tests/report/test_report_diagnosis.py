@@ -35,6 +35,7 @@ from bayesfric.report.chapters.to_use import biased, numbers_to_use, papers_law
 from bayesfric.report.chapters.verdict import verdict_line
 from bayesfric.report.content import (
     Column,
+    Figure,
     Heading,
     Notice,
     Paragraph,
@@ -301,10 +302,11 @@ def test_without_a_diagnosis_nothing_is_said(fit_results):
 
 def test_it_is_shown_with_words_for_the_figures(fit_results, document):
     html = render_html(document)
-    for figure in figures(fit_results.diagnosis).values():
+    drawn = {block.label: block for block in document.every_block if isinstance(block, Figure)}
+    for label, figure in figures(fit_results.diagnosis).items():
         assert escape(figure.alt) in html
         assert html.count('alt="Left, ') >= 3
-        assert len(figure.svg) < 400_000
+        assert len(drawn[label].svg) < 400_000
     assert "The gap between simulation and reality" in html
     assert "0.0523" in html
 

@@ -11,6 +11,7 @@ from bayesfric.rigs.single_axis import entering
 from bayesfric.rigs.single_axis.dither import steady
 from bayesfric.rigs.single_axis.even_log import EvenLog
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 AXIS = all_rigs()["single-axis"]
 SHAKEN = {"stiffness": 60.0, "damping": 12.0, "amplitude": 0.2}
 

@@ -8,6 +8,7 @@ from rigs.looped_joint import LoopedJoint
 from bayesfric.effects import all_effects
 from bayesfric.rigs import all_rigs
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 AXIS = all_rigs()["single-axis"]
 CLIPPED = {
     "beside a weight": LoopedJoint(limit=1.0),

@@ -8,6 +8,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.single_axis.instruments import Compared, Estimate, compared, without_clock
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 AXIS = all_rigs()["single-axis"]
 TRUTH = {"inertia": 0.06, "viscous": 0.05, "coulomb": 0.2}
 

@@ -37,6 +37,7 @@ def heavy():
     ).summary
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_log_is_parted_with_the_motion_of_all_other_joints():
     recording = arm.recording()
     parted = parted_by_joint(recording)
@@ -48,6 +49,7 @@ def test_a_log_is_parted_with_the_motion_of_all_other_joints():
     assert parted_by_joint(parted["base"]) == {}
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_pull_of_other_joints_is_no_slow_wave_along_this_one():
     """Without a model two waves over the stroke of an elbow are what the base and it pull with."""
     rows = runs_of(arm.recording(), "elbow")
@@ -61,6 +63,7 @@ BY_DAY = [*zip(KINDS, arm.JOINTS, strict=True)]
 BY_NIGHT = [pair for pair in product(KINDS, arm.JOINTS) if pair not in BY_DAY]
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 @pytest.mark.parametrize(
     ("kind", "joint"), [*BY_DAY, *(pytest.param(*p, marks=pytest.mark.nightly) for p in BY_NIGHT)]
 )
@@ -77,6 +80,7 @@ def test_friction_and_armature_come_back_beside_what_is_known(kind, joint):
     assert rough.mass == pytest.approx(armature, rel=0.1)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_inertia_is_told_beside_joints_that_are_logged_without_a_model():
     """Gravity may take all of the force, and what moves no more than gravity and friction leave."""
     import mujoco
@@ -89,6 +93,7 @@ def test_inertia_is_told_beside_joints_that_are_logged_without_a_model():
     assert rough.coulomb == pytest.approx(arm.FRICTIONLOSS[2], rel=0.02)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_counts_in_a_controllers_damping_make_no_delay():
     """The force answers each count; where it acts at once it does not act later."""
     rows = runs_of(arm.recording(), "base").readings
@@ -101,6 +106,7 @@ def test_counts_in_a_controllers_damping_make_no_delay():
     assert abs(late_s) < 5e-4
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_known_force_of_one_joint_is_taken_off_its_drive_force():
     """Without it a pendulum's joint has the weight of its arm in its force."""
     known, unknown = (arm.recording(known=known, only="elbow") for known in (True, False))
@@ -219,6 +225,7 @@ def test_a_joint_alone_names_no_cause_where_others_moved(joint):
         assert found.verdict == "unknown"
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_joint_that_lacks_a_run_of_another_does_not_enter():
     recording = arm.recording()
     samples = recording.axis.samples
@@ -227,6 +234,7 @@ def test_a_joint_that_lacks_a_run_of_another_does_not_enter():
     assert RIG.trials(parted_by_joint(recording)["elbow"]) is None
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_an_amount_is_one_force_whatever_run_it_is_of():
     """Other joints may rest in a run, and drives give less in one: the columns are the same."""
     recording = arm.recording()
@@ -250,6 +258,7 @@ def test_an_amount_is_one_force_whatever_run_it_is_of():
     assert closest < 0.02 * size
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_known_force_may_be_wrong_by_as_much_as_is_stated():
     """Of one joint: by a share of itself, which then is no friction and no other pull."""
     wrong = arm.recording(known=True, only="elbow", known_force_sd=0.3)

@@ -11,6 +11,7 @@ from bayesfric.cli import app
 from bayesfric.recording import Axis, Recording, RigConstants, write_recording
 from bayesfric.rigs.opening import left_out
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 RATE = 200.0
 
 

@@ -9,6 +9,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.single_axis.trials import opened
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 ONE_SWING = Joint(rates_hz=(0.31,), strokes_rad=(1.6,), seconds=4.0, sampled_hz=100.0)
 
 

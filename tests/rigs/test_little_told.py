@@ -4,12 +4,14 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pandas as pd
+import pytest
 from rigs.joints import Joint, recording_of
 
 from bayesfric.physics.laws import BASELINES
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.single_axis.trials import opened
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 STEP = 4e-4  # of the encoder [rad]
 
 

@@ -11,6 +11,7 @@ from bayesfric.rigs.single_axis.even_log import even_grid
 from bayesfric.rigs.single_axis.force_faults import clipped, spikes
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 AXIS = all_rigs()["single-axis"]
 
 

@@ -6,6 +6,7 @@ from rigs.joints import Joint, recording_of
 from bayesfric.rigs.single_axis.entering import entering
 from bayesfric.rigs.single_axis.mistakes import likely_mistakes
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 SHORT = Joint(seconds=6.0, sampled_hz=100.0)
 
 

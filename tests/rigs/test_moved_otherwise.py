@@ -18,6 +18,7 @@ from bayesfric.rigs.single_axis.moved_otherwise import (
 )
 from bayesfric.rigs.single_axis.readings import readings_of
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 STEP, FINE = 0.005, 10
 INERTIA, WEIGHT, COULOMB, VISCOUS = 0.3, 5.0, 0.15, 0.03
 

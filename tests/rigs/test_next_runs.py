@@ -24,6 +24,7 @@ from bayesfric.physics.laws import BASELINES
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 RATES_HZ, SIZES_M = (0.5, 1.1), (0.06, 0.02)
 TOP, REACHED = 0.25, 0.6  # m/s, in all runs that were recorded, and what the axis can do
 RATE_HZ, SECONDS = 500.0, 4.0

@@ -36,6 +36,7 @@ def runs_of(recording):
     return AXIS.trials(recording)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 @pytest.mark.parametrize("joint", LOGS.values(), ids=LOGS)
 def test_inertia_and_friction_are_right_beside_gravity(joint):
     """The rough law lays out windows, noise and priors: with an inertia of 0 all of them fail."""
@@ -45,6 +46,7 @@ def test_inertia_and_friction_are_right_beside_gravity(joint):
     assert rough.viscous == pytest.approx(joint.viscous, rel=0.1)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_weight_is_as_plausible_as_what_it_pulls_with():
     """Gravity of 8 N·m beside friction of 0.2: a prior in friction's measure would exclude it."""
     runs = runs_of(LOGS["gravity forty times friction, a swing of 20 degrees"].recording())
@@ -55,6 +57,7 @@ def test_a_weight_is_as_plausible_as_what_it_pulls_with():
     assert own.sd == pytest.approx(0.18, rel=0.3)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_held_readings_are_told_from_a_coarse_encoder_and_from_a_command():
     samples = Joint(held=7).samples()
     assert held_for(samples["position_m"].to_numpy()) == 7
@@ -69,12 +72,14 @@ def test_held_readings_are_told_from_a_coarse_encoder_and_from_a_command():
     assert kept.interval_s == whole.interval_s
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_validate_says_that_readings_are_held(tmp_path):
     write_recording(Joint(held=7).recording(), tmp_path / "joint")
     said = CliRunner().invoke(app, ["validate", str(tmp_path / "joint")]).output
     assert "run a: each reading is held, position for 7 samples and force for 7 samples" in said
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_measured_force_has_no_limit():
     """Three times what acts beyond half of its top, as a command is that a drive clips."""
     joint = Joint(gravity=0.0, inertia=0.1, rates_hz=(1.1, 1.7), coulomb=0.05)
@@ -164,6 +169,7 @@ def test_a_few_short_passes_tell_viscous_friction_and_are_no_proof_of_nothing():
     assert found.law["viscous"].after.sd < 0.1
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_the_rate_that_is_asked_for_is_enough():
     """At the rate that the refusal names the same motion enters."""
     slow = Joint(sampled_hz=20.0, rates_hz=(1.0, 1.7))
@@ -203,6 +209,7 @@ def two_roles(payload):
     return recording_of(samples, runs, force_is="measured")
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_an_effect_in_one_of_two_orders_has_no_other_form_along_order():
     """A form that varies nothing had a size of 0, by which its amplitude was divided."""
     runs = runs_of(two_roles(0.02))
@@ -214,6 +221,7 @@ def test_an_effect_in_one_of_two_orders_has_no_other_form_along_order():
     assert "order" not in {one.axis for one in forms}
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_small_swing_shows_a_part_of_a_weight_that_pulls_less_than_friction():
     """On a tenth of a turn 0.1 N·m of 0.7: a prior as wide as friction excludes it."""
     swinging = Joint(gravity=0.7, strokes_rad=(0.17, 0.05))
@@ -222,6 +230,7 @@ def test_a_small_swing_shows_a_part_of_a_weight_that_pulls_less_than_friction():
     assert runs.suited(all_effects(None)["gravity-torque"]).amplitude.prior.sd > 0.5
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 @pytest.mark.parametrize("friction", [0.06, 0.002])
 def test_a_force_may_be_noisier_than_friction_is_large(friction):
     """Its noise was at most ten times friction, and the rest of it an unknown force."""

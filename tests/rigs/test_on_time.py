@@ -7,6 +7,7 @@ from rigs.looped_joint import LoopedJoint
 
 from bayesfric.rigs import all_rigs
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 AXIS = all_rigs()["single-axis"]
 CLOSED = {"stiffness": 15.0, "damping": 1.0}
 LATE = {

@@ -8,6 +8,7 @@ import pytest
 from bayesfric.effects import State, all_effects
 from bayesfric.rigs.single_axis.passes import REMEMBERED, passes_of, rests_of
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 LENGTH = 0.01
 
 

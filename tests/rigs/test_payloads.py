@@ -32,6 +32,7 @@ def test_friction_and_inertia_come_back_under_two_loads():
         assert abs(number.mean - truth) < 3 * number.sd
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_the_gear_carries_the_payload_of_its_run():
     joint = LoadedJoint(**SMALL, load=0.15)
     runs = RIG.trials(joint.recording())

@@ -15,6 +15,8 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.period import SEARCHED, strongest_wave
 from bayesfric.rigs.single_axis.readings import readings_of
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
+
 
 @pytest.fixture(scope="module")
 def trials(tmp_path_factory):

@@ -32,6 +32,7 @@ def opened(servo=SERVO, seed=1, payloads=(0.0, 0.0), **rig):
     return AXIS.trials(servo.recording(seed, payloads, **rig))
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_without_anything_in_newtons_all_is_over_the_stiffness():
     runs = opened(moving_mass_kg=None)
     assert runs.servo.is_relative
@@ -54,6 +55,7 @@ TELLS = {
 }
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 @pytest.mark.parametrize("known_by", TELLS)
 def test_what_is_known_in_newtons_tells_the_stiffness(known_by):
     payloads = (0.0, 0.3) if "payload" in known_by else (0.0, 0.0)
@@ -67,6 +69,7 @@ def test_what_is_known_in_newtons_tells_the_stiffness(known_by):
     assert f", from {known_by}" in " ".join(runs.doubts({}))
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_known_force_tells_the_stiffness():
     servo = Servo(gravity=1.5, seconds=15.0, uneven=0.0)
     recording = servo.recording()
@@ -80,6 +83,7 @@ def test_a_known_force_tells_the_stiffness():
     assert AXIS.trials(recording).servo.is_relative
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_inertia_of_a_log_that_is_too_slow_is_refused_by_name():
     quick = Servo(seconds=20.0, rate_hz=30.0, band_hz=1.4)
     runs = opened(quick)
@@ -90,12 +94,14 @@ def test_inertia_of_a_log_that_is_too_slow_is_refused_by_name():
     assert not opened().untold
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_declared_delay_is_held():
     taken = opened(latency_s=0.015).servo
     assert taken.late_sd_s < 0.01
     assert taken.constants.latency_s == pytest.approx(0.015, abs=0.005)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_the_delay_is_as_open_as_the_pilot_fit_left_it():
     """A servo at 30 Hz whose delay was 16 ms off had an inertia of a third, by 2.7 sd."""
     runs = opened()
@@ -106,6 +112,7 @@ def test_the_delay_is_as_open_as_the_pilot_fit_left_it():
     np.testing.assert_allclose(wide, 4.0 * least)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_an_error_of_the_position_is_one_of_the_force_too():
     """Rows hang together as answers to an error of each sample do, one after another."""
     runs = opened()
@@ -135,6 +142,7 @@ def test_an_error_of_the_position_is_one_of_the_force_too():
     assert rows.position_lag[0, 1] < 0
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_no_window_has_a_stop_in_it_that_a_held_command_makes():
     """A joint that goes on the same way stands for five samples, whose friction is anything."""
     count = 2 * np.pi / 4096
@@ -156,6 +164,7 @@ def test_no_window_has_a_stop_in_it_that_a_held_command_makes():
     assert {54, 69} < of_forces
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_units_over_the_stiffness():
     assert over_stiffness("N·m s/rad") == "N·m s/rad per K"
     assert over_stiffness("kg·m²") == "kg·m² per K"
@@ -165,6 +174,7 @@ def test_units_over_the_stiffness():
     assert [turns(unit) for unit in ("N·m per K", "N·m", "N per K")] == [True, True, False]
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_reader_is_told_to_multiply():
     value = Interval(mean=0.0213, sd=0.0004, q05=0.0206, q50=0.0213, q95=0.022)
     number = Enter(parameter="coulomb", unit="N·m per K", value=value, fields={"mujoco": None})

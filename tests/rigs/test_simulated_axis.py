@@ -63,6 +63,7 @@ def trials_of(recording):
     return all_rigs()["single-axis"].trials(recording)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_the_needed_force_is_that_of_the_law(tmp_path, plain):
     """Mass times ∫ φ'' q dt and Coulomb friction, which nothing of the simulator's has to know."""
     trials = trials_of(recorded(tmp_path, plain))
@@ -79,6 +80,7 @@ def test_the_needed_force_is_that_of_the_law(tmp_path, plain):
     assert not columns[:, 2].any()
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_calls_are_counted_before_they_are_made_and_none_is_made_twice(tmp_path, plain):
     told, simulator = [], Mass()
     calls = SimulatorCalls(simulator, announce=told.append)
@@ -144,6 +146,7 @@ def test_what_is_no_simulator_is_refused_with_a_reason(tmp_path, plain, simulato
         bf.diagnose(recorded(tmp_path, plain), simulator=simulator)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_law_beside_a_simulator_is_refused(tmp_path, plain):
     with pytest.raises(InputError, match="no --baseline, since Mass is the baseline"):
         bf.diagnose(recorded(tmp_path, plain), simulator=Mass(), baseline="viscous")
@@ -193,6 +196,7 @@ def test_a_recorded_force_is_a_baseline_of_which_nothing_is_fitted(tmp_path, vis
     assert slope.q50 * found.gap.friction_rms == pytest.approx(0.8, rel=0.2)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_mass_that_is_wrong_in_a_recorded_force_is_not_mended(tmp_path, plain):
     """A law fitted on top would take all of the 0.5 kg; the gap is its force instead."""
     change = with_column("sim_force_n", inverse(1.5, 1.5))
@@ -204,6 +208,7 @@ def test_a_mass_that_is_wrong_in_a_recorded_force_is_not_mended(tmp_path, plain)
     assert np.std(rows.residual()) == pytest.approx(np.std(lacking), rel=0.05)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_recorded_path_is_a_force_by_the_mass_that_it_moves(tmp_path, plain):
     """A path with 0.02 m/s² more of acceleration everywhere lacks 0.02 times the mass."""
     change = with_column("sim_position_m", lambda s: s["position_m"] + 0.01 * s["time_s"] ** 2)
@@ -213,11 +218,13 @@ def test_a_recorded_path_is_a_force_by_the_mass_that_it_moves(tmp_path, plain):
     assert rows.residual() * rows.readings.way == pytest.approx(0.04, abs=1e-6)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_path_without_a_mass_leaves_the_law(tmp_path, plain):
     change = with_column("sim_position_m", lambda samples: samples["position_m"])
     assert trials_of(recorded(tmp_path, plain, change)).own_law is None
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_columns_of_a_run_reach_the_simulator(tmp_path, plain):
     seen = {}
 

@@ -150,6 +150,7 @@ def test_the_likelihood_is_that_of_a_dense_normal(trials):
     assert given.trial[0] == pytest.approx(given.setup[0], abs=1e-6)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_drive_that_clips_has_its_limit_where_the_motion_no_longer_answers(tmp_path):
     trials = all_rigs()["single-axis"].trials(recorded(tmp_path, seed=2, seconds=3.0, limit=3.0))
     limit = trials.measures.limit
@@ -169,6 +170,7 @@ def test_a_drive_that_clips_has_its_limit_where_the_motion_no_longer_answers(tmp
     assert effect.shape.prior.median == limit.force
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_a_limit_that_rows_were_read_within_is_offered(tmp_path, monkeypatch):
     """Rows that were read within it hold part of it: asked again, they may say there is none."""
     monkeypatch.setattr(limit_module, "drive_limit", lambda rows: Limit(3.0, 0.51))
@@ -191,6 +193,7 @@ def test_a_drive_is_not_smoothed_over_its_peaks(half_s, samples):
     assert drive.min() == pytest.approx(2.0, rel=1e-3)
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_friction_after_a_reversal_may_be_missing_twice(tmp_path):
     """Dahl's model goes from −1 to 1: z = 1 − 2 exp(−x/L), in steps of L/1000 here."""
     trials = all_rigs()["single-axis"].trials(recorded(tmp_path, seed=2, seconds=3.0))
@@ -215,6 +218,7 @@ def test_a_drive_that_does_not_clip_has_no_limit(tmp_path, machine):
     assert "limit" in trials.supports(all_effects(None)["torque-saturation"]).reason
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_an_axis_that_turns_has_its_own_units(tmp_path):
     recording = recorded(tmp_path, seconds=2.0, rig={"rotary": True})
     trials = all_rigs()["single-axis"].trials(recording)
@@ -263,6 +267,7 @@ def test_a_stored_fit_gives_numbers_by_the_names_of_the_rig(trials):
         held_of(["mass"], data, {})
 
 
+@pytest.mark.usefixtures("lengths_not_searched")
 def test_one_run_is_cut_in_parts_so_that_something_is_held_out(tmp_path):
     trials = all_rigs()["single-axis"].trials(recorded(tmp_path, runs=1, seconds=6.0))
     assert list(trials.table["trial"]) == [f"r00/{part}" for part in range(1, 7)]

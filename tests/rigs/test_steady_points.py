@@ -104,16 +104,26 @@ def test_a_machine_of_another_size_in_other_units_is_diagnosed_alike(tmp_path):
     assert second.gap.systematic.q50 == pytest.approx(1000 * first.gap.systematic.q50, rel=0.02)
 
 
-def test_a_joint_with_viscous_friction_is_named_with_its_slope(tmp_path):
-    recording = recorded(tmp_path, joint(3.0), rotary=True)
-    found = explained(bf.diagnose(recording).summary)
+@pytest.fixture(scope="module")
+def viscous(tmp_path_factory):
+    """A joint with viscous friction."""
+    return recorded(tmp_path_factory.mktemp("viscous"), joint(3.0), rotary=True)
+
+
+@pytest.fixture(scope="module")
+def viscous_diagnosed(viscous):
+    return bf.diagnose(viscous).summary
+
+
+def test_a_joint_with_viscous_friction_is_named_with_its_slope(viscous, viscous_diagnosed):
+    found = explained(viscous_diagnosed)
     assert found.verdict == "named"
     (cause,) = found.causes
     assert cause.effect == "viscous"
     assert cause.parameters["slope"].unit == "s/rad"
     assert "cable" not in cause.sentence
     # The settings that are stored have the priors of the joint, so that a rerun has them too.
-    stored, trials = checked_analysis(found.analysis, "stored").priors, trials_of(recording)
+    stored, trials = checked_analysis(found.analysis, "stored").priors, trials_of(viscous)
     (own,) = trials.own_priors.values()
     (size,) = trials.own_priors
     assert own.c1 is not None
@@ -131,9 +141,9 @@ def test_cold_grease_without_a_thermometer_may_be_wear_as_well(tmp_path):
     assert "thermal" in found.sentence
 
 
-def test_a_share_of_friction_is_told_where_no_load_was_recorded(tmp_path):
+def test_a_share_of_friction_is_told_where_no_load_was_recorded(viscous_diagnosed):
     """Without a load no friction grows with one: a constant is all of it, and is told."""
-    found = bf.diagnose(recorded(tmp_path, joint(3.0), rotary=True)).summary
+    found = viscous_diagnosed
     assert list(found.law) == ["c2"]
     constant = found.law["c2"].after
     assert abs(constant.mean - 8.0) < 4 * constant.sd

@@ -21,6 +21,7 @@ from bayesfric.rigs.single_axis.run_rows import _relative_variance
 from bayesfric.rigs.single_axis.weak_form import node_weights
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
 
+pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 INTERVAL = 1e-3
 
 

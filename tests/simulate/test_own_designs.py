@@ -86,8 +86,10 @@ def test_a_recording_is_what_the_format_allows_and_comes_back(name, tmp_path):
     recording = simulate_recording(name, seed=1, effects={"viscous": 0.5})
     write_recording(recording, tmp_path / "made")
     back = read_recording(tmp_path / "made")
-    trials = DESIGNS[name].trials(back)
-    assert len(trials.table) == len(DESIGNS[name].trials(recording).table) > 5
+    assert len(DESIGNS[name].trials(back).table) > 5
+    write_recording(back, tmp_path / "again")  # opening an axis twice takes longer
+    for table in (tmp_path / "made").glob("*.csv"):
+        assert (tmp_path / "again" / table.name).read_bytes() == table.read_bytes()
     assert back.metadata["simulation"]["truth"]["effects"][0]["name"] == "viscous"
 
 

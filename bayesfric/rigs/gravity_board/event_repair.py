@@ -220,14 +220,15 @@ def _predict(
     The third number is the standard deviation of event minus quadratic for events of unit noise.
     """
     base, scale = nearby[-1], abs(time[nearby[-1]] - time[nearby[0]])
-    u = (time[nearby] - time[base]) / scale
     v = (time[event] - time[base]) / scale
-    columns = np.stack([np.ones_like(u), u, u**2])
-    at = np.array([1.0, v, v**2])
-    solved = np.linalg.solve(
-        columns @ columns.T, np.column_stack([columns @ (place[nearby] - place[base]), at])
-    )
-    fit, along = solved.T
+    # Arrays are filled in place: this is called for each event, and stacking costs more.
+    columns, sides = np.empty((3, len(nearby))), np.empty((3, 2))
+    columns[0] = 1.0
+    columns[1] = (time[nearby] - time[base]) / scale
+    np.square(columns[1], out=columns[2])
+    sides[:, 0] = columns @ (place[nearby] - place[base])
+    sides[:, 1] = at = np.array([1.0, v, v**2])
+    fit, along = np.linalg.solve(columns @ columns.T, sides).T
     slope = fit[1] + 2 * fit[2] * v
     return float(place[base] + fit @ at), float(slope), float(np.sqrt(1 + at @ along))
 
