@@ -19,7 +19,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis, settings_sha256
 from bayesfric.chains import with_chains
 from bayesfric.errors import Fault, InputError, writable
 from bayesfric.files import add_checksum, checksum_differs, file_bytes, has_checksum, uninterrupted
@@ -76,7 +76,7 @@ def provenance(*, recording: RecordingId, analysis: Analysis, created: str | Non
         seed=analysis.seed,
         versions=package_versions(),
         recording=recording,
-        analysis_sha256=analysis_sha256(analysis),
+        analysis_sha256=settings_sha256(analysis),
         analysis=analysis.model_dump(mode="json"),
         created=created_date(created),
     )

@@ -164,7 +164,7 @@ def _key(
     baseline: str,
 ) -> dict[str, object]:
     """Return all that the results of a run depend on."""
-    from bayesfric.analysis import analysis_sha256
+    from bayesfric.analysis import settings_sha256
     from bayesfric.checkpoint import code_sha256
     from bayesfric.cli.stages import digest
     from bayesfric.recording import read_recording
@@ -175,7 +175,7 @@ def _key(
         "recording": str(recording.resolve()),
         "tables": read_recording(recording).sha256,
         "descriptor": digest(recording / PACKAGE_FILE),
-        "analysis": analysis_sha256(analysis),
+        "analysis": settings_sha256(analysis),
         "loops": [digest(path) for path in loops],
         "rigs": rigs,
         "baseline": baseline,

@@ -19,13 +19,13 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import is_positive, prior_moments
 from bayesfric.inference.information import Reduced
+from bayesfric.inference.priors import LOG_2
 
 WIDEST = 2.4  # normal quantile of a shape
 GRID = np.linspace(-WIDEST, WIDEST, 49)
 FINER, ZOOMS = np.linspace(-1.0, 1.0, 13), 3
 SWEEPS = 2  # over the shapes of effects that act together, one shape at a time
 NEAREST = 1e-100  # least absolute mean in standard deviations
-LOG_2 = float(np.log(2))
 Places: TypeAlias = tuple[int, ...]
 """Candidates of a law."""
 

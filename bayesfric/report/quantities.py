@@ -10,13 +10,13 @@ import re
 from decimal import Decimal
 
 from bayesfric.probabilities import stated
+from bayesfric.report.words import RAISED
 
 MISSING = "—"
 THIN = "\u202f"
 MOST_DIGITS = 6  # significant ones of a number whose error is smaller than what anyone needs
 CERTAIN = 6.0  # log10 of the odds beyond which their size says no more
 FAR_SHIFT = 10.0  # standard deviations, likewise
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _DECIMAL = re.compile(r"\d+\.\d+(e-?\d+)?")
 _UNITS = {"": "", "-": "", "–": "", "1": "", "deg": "°", "1/deg": "deg⁻¹", "1/s": "s⁻¹"}
 
@@ -28,11 +28,11 @@ def format_unit(unit: str | None, exponent: int = 0) -> str:
     """
     unit = unit or ""
     if exponent:
-        power = "10" + str(exponent).translate(_SUPERSCRIPTS)
+        power = "10" + str(exponent).translate(RAISED)
         return f"{power}{THIN}{format_unit(unit)}".rstrip(THIN)
     if unit in _UNITS:
         return _UNITS[unit]
-    unit = re.sub(r"\^(-?\d+)", lambda match: match[1].translate(_SUPERSCRIPTS), unit)
+    unit = re.sub(r"\^(-?\d+)", lambda match: match[1].translate(RAISED), unit)
     return unit.replace("*", "·")
 
 
@@ -252,7 +252,7 @@ def _fixed(value: float, power: int, decimals: int) -> str:
 
 
 def _times(power: int) -> str:
-    return f" × 10{str(power).translate(_SUPERSCRIPTS)}" if power else ""
+    return f" × 10{str(power).translate(RAISED)}" if power else ""
 
 
 def _spaced(unit: str | None) -> str:
