@@ -59,7 +59,7 @@ def run(
     from bayesfric.margins import loop_path, read_loop
     from bayesfric.resources import bundled_recording
 
-    options.no_folder(junit, "--junit")
+    options.no_folder_for_junit(junit)
     analysis, chosen = read_analysis(config, seed=seed), options.named_rigs(rigs)
     loops = [loop_path(file) for file in loop or []]
     for file in loops:  # a fault in one, likewise

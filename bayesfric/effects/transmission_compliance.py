@@ -18,7 +18,7 @@ from bayesfric.effects.base import (
     EffectParameter,
     State,
     followed,
-    followed_by_own_shares,
+    sprung_by_own_shares,
 )
 from bayesfric.physics.loads import taken_along
 
@@ -79,7 +79,7 @@ EFFECT = Effect(
         "seen-at-load": _seen_at_load,
         "rings-half-mass": followed("spring", "length", 0.5),
         "rings-mass": followed("spring", "length", 1.0),
-        "rings-own-shares": followed_by_own_shares("spring", "length"),
+        "rings-own-shares": sprung_by_own_shares,
         "rings-mass-alone": followed("spring", "length", np.inf),
     },
     along_path=True,

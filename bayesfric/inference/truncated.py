@@ -93,32 +93,30 @@ def normal_above(mean: float, sd: float, least: float) -> tuple[float, float, Ar
     return mean + sd * centre, sd * width, np.asarray(mean + sd * quantiles)
 
 
-def normal_cut_to(mean: float, sd: float, least: float) -> tuple[float, float]:
-    """Return the mean and standard deviation of a normal that has others once it is cut off.
+def normal_cut_to(mean: float, sd: float) -> tuple[float, float]:
+    """Return mean and standard deviation of a normal that has given ones once it is cut off at 0.
 
     Parameters
     ----------
     mean, sd : float
-        Of what lies above the bound.
-    least : float
-        The bound; −∞ is none.
+        Of what lies above 0.
 
     Returns
     -------
     mean, sd : float
         Without the bound, which is no farther above the mean than :data:`FARTHEST`.
     """
-    if not sd > 0 or mean - least > FARTHEST * sd:
+    if not sd > 0 or mean > FARTHEST * sd:
         return mean, sd
 
     def ratio(start: float) -> float:
         centre, width = _moments_above(start)
         return width / (centre - start)
 
-    asked = min(sd / (mean - least), ratio(FARTHEST)) if mean > least else ratio(FARTHEST)
+    asked = min(sd / mean, ratio(FARTHEST)) if mean > 0 else ratio(FARTHEST)
     start = scipy.optimize.brentq(lambda x: ratio(x) - asked, -2 * FARTHEST, FARTHEST)
     whole = sd / _moments_above(start)[1]
-    return least - start * whole, whole
+    return -start * whole, whole
 
 
 def _moments_above(start: float) -> tuple[float, float]:

@@ -79,7 +79,6 @@ def format_interval(
     q05: float | None,
     q95: float | None,
     unit: str | None = None,
-    exponent: int | None = None,
 ) -> str:
     """Write a mean with its 90 % interval, to two digits of the interval's width.
 
@@ -89,8 +88,6 @@ def format_interval(
         Mean, 5 % and 95 % quantile.
     unit : str, optional
         As stored.
-    exponent : int, optional
-        The power of ten to write all three with; by default as in `format_number`.
 
     Returns
     -------
@@ -104,7 +101,7 @@ def format_interval(
     """
     if mean is None or q05 is None or q95 is None:
         return MISSING
-    power = _power(max(abs(mean), abs(q05), abs(q95))) if exponent is None else exponent
+    power = _power(max(abs(mean), abs(q05), abs(q95)))
     middle, low, high = interval_cells(mean, q05, q95, exponent=power)
     return f"{middle} [{low}, {high}]{_times(power)}{_spaced(unit)}"
 

@@ -7,9 +7,9 @@ import pytest
 from margins.loops import changed, loop
 from pydantic import BaseModel
 
+from bayesfric.analysis import settings_sha256
 from bayesfric.errors import InputError
 from bayesfric.margins import loop_file
-from bayesfric.margins.loop_file import settings_sha256
 from bayesfric.margins.loop_reading import read_loop
 from bayesfric.resources import data_folder
 
