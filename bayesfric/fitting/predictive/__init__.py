@@ -22,10 +22,9 @@ from bayesfric.rigs.bands import bands
 from bayesfric.rigs.base import Predictive, Rig, RigTrials
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.remaking import remake
-from bayesfric.schemas.base import QUANTILES
 from bayesfric.stored_names import tree_of
 
-__all__ = ["QUANTILES", "covered", "predict"]
+__all__ = ["covered", "predict"]
 
 DRAWS = 1000  # enough for a 5 % quantile to a twentieth of an sd
 
