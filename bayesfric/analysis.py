@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from bayesfric.errors import InputError
 from bayesfric.families import (
@@ -302,6 +302,6 @@ def checked_analysis(values: Mapping[str, Any], name: str, *, strict: bool = Fal
         raise InputError(key_faults(name, error, "docs/analysis.md", Analysis, tags)) from error
 
 
-def analysis_sha256(analysis: Analysis) -> str:
-    """Return the SHA-256 of all settings, with their defaults."""
-    return hashlib.sha256(analysis.model_dump_json().encode()).hexdigest()
+def settings_sha256(settings: BaseModel) -> str:
+    """Return the SHA-256 of all settings of a file, with their defaults."""
+    return hashlib.sha256(settings.model_dump_json().encode()).hexdigest()

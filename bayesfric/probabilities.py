@@ -12,6 +12,10 @@ Event = TypeVar("Event", bound=Hashable)
 
 ROUNDING = 1e-9  # by which a sum of probabilities may miss what it should be
 
+LN10 = math.log(10)
+ALL_BUT, PAST_ALL = 0.999, 1.0005
+"""A share whose 90 % interval lies between these is written as a bound, more than 99.9 %."""
+WIDE = 0.095  # width of the interval of a share from which it is written in whole per cent
 LEAST_PLAIN = 0.1  # of a number that is written without a power of ten
 LEAST_STATED = 0.001  # below it, and as close to 1, a probability is stated as a bound
 

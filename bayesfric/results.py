@@ -19,14 +19,12 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis, settings_sha256
 from bayesfric.chains import with_chains
 from bayesfric.errors import Fault, InputError, writable
 from bayesfric.files import add_checksum, checksum_differs, file_bytes, has_checksum, uninterrupted
-from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.recording.digest import rig_sha256
 from bayesfric.recording.tables import Recording
-from bayesfric.schemas import FitFile
 from bayesfric.schemas.base import Provenance, RecordingId
 from bayesfric.source_date import source_date
 from bayesfric.stored_names import restored, storable, variable_of
@@ -78,7 +76,7 @@ def provenance(*, recording: RecordingId, analysis: Analysis, created: str | Non
         seed=analysis.seed,
         versions=package_versions(),
         recording=recording,
-        analysis_sha256=analysis_sha256(analysis),
+        analysis_sha256=settings_sha256(analysis),
         analysis=analysis.model_dump(mode="json"),
         created=created_date(created),
     )
@@ -237,6 +235,21 @@ def replace_outputs(folder: Path, outputs: Mapping[str, Output]) -> None:
             shutil.rmtree(scratch)
 
 
+def write_result(folder: Path, name: str, record: Provenance, curves: xr.DataTree) -> None:
+    """Write ``name.json`` and the arrays beside it, ``name.nc``, both or neither.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be made or written.
+    """
+    outputs: dict[str, Output] = {
+        f"{name}.nc": lambda path: write_netcdf(curves, path, record.run_id),
+        f"{name}.json": record,
+    }
+    replace_outputs(folder, outputs)
+
+
 def read_tree(path: Path) -> xr.DataTree:
     """Read a netCDF tree into memory.
 
@@ -293,14 +306,17 @@ def _not_netcdf(path: Path, why: str) -> Fault:
     return Fault(str(path), f"a netCDF file that bayesfric wrote, whole ({why})")
 
 
-def read_json(model: type[Record], path: Path) -> Record:
-    """Read a JSON file of a known schema.
+def read_json(model: type[Record], path: Path, verb: str | None = None) -> Record:
+    """Read a JSON file of a known schema; the error of a missing one names the verb that writes it.
 
     Raises
     ------
     InputError
         The file is missing or does not follow its schema: at which keys.
     """
+    if verb is not None and not path.is_file():
+        expected = f"it in {path.parent}: run `bayesfric {verb} RECORDING -o {path.parent}`"
+        raise InputError([Fault(path.name, expected)])
     try:
         return model.model_validate_json(file_bytes(path))
     except ValidationError as error:
@@ -374,26 +390,3 @@ def _run_id(path: Path) -> str:
         raise
     except Exception as error:  # as in read_tree
         raise InputError([_not_netcdf(path, "it cannot be read as one")]) from error
-
-
-def fitted_numbers(folder: Path) -> dict[str, float]:
-    """Return the posterior means of a stored fit, by name: ``c1[small]``, ``mass``.
-
-    Parameters
-    ----------
-    folder : Path
-        Where ``fit.json`` is.
-
-    Raises
-    ------
-    InputError
-        There is no fit, or its files are of two runs.
-    """
-    if folder.is_file():
-        raise InputError([Fault(str(folder), "the folder of a fit; this is a file in it")])
-    fit = read_json(FitFile, folder / "fit.json")
-    refuse_mixed(fit, folder / "fit.json")
-    means = {name: entry.mean for name, entry in fit.parameters.items()}
-    for size, entries in fit.pulleys.items():
-        means |= {coefficient_name(name, size): entry.mean for name, entry in entries.items()}
-    return means

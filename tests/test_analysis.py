@@ -2,7 +2,7 @@
 
 import pytest
 
-from bayesfric.analysis import Analysis, HalfNormal, Normal, analysis_sha256, read_analysis
+from bayesfric.analysis import Analysis, HalfNormal, Normal, read_analysis, settings_sha256
 from bayesfric.errors import InputError
 
 
@@ -98,5 +98,5 @@ def test_missing_file(tmp_path):
 
 def test_hash_follows_the_settings_not_the_text(tmp_path):
     spelled_out = read_analysis(write(tmp_path, "[sampler]\nthin = 1\n"))
-    assert analysis_sha256(spelled_out) == analysis_sha256(Analysis())
-    assert analysis_sha256(read_analysis(None, seed=1)) != analysis_sha256(Analysis())
+    assert settings_sha256(spelled_out) == settings_sha256(Analysis())
+    assert settings_sha256(read_analysis(None, seed=1)) != settings_sha256(Analysis())

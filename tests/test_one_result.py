@@ -18,12 +18,12 @@ from bayesfric.claims.checking import Checked
 from bayesfric.claims.stored_fit import current_posterior
 from bayesfric.comparing import compare
 from bayesfric.diagnosis.diagnosed import Diagnosed
+from bayesfric.diagnosis.shipped import fitted_numbers
 from bayesfric.errors import InputError
 from bayesfric.margins.posterior import read_posterior
 from bayesfric.report.stored import read_stored
 from bayesfric.resources import reference_folder
 from bayesfric.results import (
-    fitted_numbers,
     identified,
     read_json,
     read_tree,

@@ -13,7 +13,7 @@ import typst
 from typer.testing import CliRunner
 
 import bayesfric as bf
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis, settings_sha256
 from bayesfric.campaign import processes
 from bayesfric.claims.entered import Entered
 from bayesfric.cli import app
@@ -70,7 +70,7 @@ def test_the_truth_is_inside(reference):
 def test_the_reference_run_is_of_this_code(weighted, reference):
     """Its posterior is that of the recording and the settings as they are now."""
     assert reference.recording.sha256 == bf.read_recording(bundled_recording()).sha256
-    assert reference.analysis_sha256 == analysis_sha256(Analysis())
+    assert reference.analysis_sha256 == settings_sha256(Analysis())
     draws, relative_error = weighted
     then = entries(reference)
     assert set(draws) == set(then)

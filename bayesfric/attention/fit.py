@@ -98,32 +98,27 @@ def of_fit(
 
 
 def of_pooled(
-    fits: Mapping[str, FitFile], pareto_k: float, limit: float, population: Sequence[str]
-) -> tuple[str, ...]:
-    """Return a sentence for every check of a fit of several boards that failed.
+    fits: Mapping[str, FitFile], pareto_k: float, population: Sequence[str]
+) -> Iterator[str]:
+    """Yield a sentence for every check of a fit of several boards that failed.
 
     Parameters
     ----------
     fits : mapping of str to FitFile
         Of each board alone.
-    pareto_k, limit : float
-        Of the weights by which posteriors are pooled, and up to where these are reliable.
+    pareto_k : float
+        Of the weights by which posteriors are pooled.
     population : sequence of str
         What :func:`unsettled` says of the population.
     """
-    return tuple(_of_boards(fits, pareto_k, limit, population))
-
-
-def _of_boards(
-    fits: Mapping[str, FitFile], pareto_k: float, limit: float, population: Sequence[str]
-) -> Iterator[str]:
     for name, fit in fits.items():
         if not fit.converged:
             yield f"The fit of board {name} alone has not converged"
-    if not pareto_k <= limit:
+    if not pareto_k <= SAMPLING_RULES.pareto_k:
         yield (
             f"The boards' posteriors are too far from normal to be pooled: Pareto k "
-            f"{pareto_k:.2f} (limit {limit}); no number of the population may be used"
+            f"{pareto_k:.2f} (limit {SAMPLING_RULES.pareto_k}); "
+            "no number of the population may be used"
         )
     yield from population
     if len(fits) < FEW_BOARDS:

@@ -15,8 +15,8 @@ from typing import Literal
 import numpy as np
 
 from bayesfric.errors import Fault, InputError
+from bayesfric.schemas.scorecard import Kind
 
-Kind = Literal["none", "effect", "pair", "outsider"]
 SCORING_FROM = 10_000
 """First seed for scoring; smaller seeds are for tuning."""
 FULL, WEAK = 1.0, 0.3

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis, settings_sha256
 from bayesfric.blind.answers import read_answer
 from bayesfric.blind.case import catalogue_of, diagnose_sealed, run_case
 from bayesfric.blind.design import SCORING_FROM, BlindCase, cases_from_prior, cases_of
@@ -166,7 +166,7 @@ def _kept(folder: Path, campaign: Campaign, analysis: Analysis) -> Path:
         "design": campaign.design,
         "hypotheses": campaign.hypotheses,
         "first_seed": campaign.seed,  # the case of a seed depends on the first seed of the campaign
-        "analysis_sha256": analysis_sha256(analysis),
+        "analysis_sha256": settings_sha256(analysis),
         "versions": package_versions(),
     }
     return case_folder(folder, CASES, key)
@@ -184,7 +184,7 @@ def _write_log(folder: Path, campaign: Campaign, analysis: Analysis, *, so_far: 
     """Append a line to the log of campaigns."""
     record = asdict(campaign) | {
         "scoring": campaign.scoring,
-        "analysis_sha256": analysis_sha256(analysis),
+        "analysis_sha256": settings_sha256(analysis),
         "so_far": so_far,
         "versions": package_versions(),
         "commit": _commit(),

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis, settings_sha256
 from bayesfric.blind.design import KINDS, SCORING_FROM
 from bayesfric.blind.rates import EDGES, estimate_of, rate_of, reliability_of, smallest_detected
 from bayesfric.blind.scoring import NO_CLAIM, OTHERS
@@ -85,7 +85,7 @@ def scorecard_of(
         scoring=campaign.scoring,
         versions=package_versions(),
         recording=recording,
-        analysis_sha256=analysis_sha256(analysis),
+        analysis_sha256=settings_sha256(analysis),
         created=created_date(None),
         practical_share=analysis.diagnosis.practical_share,
         cases=tuple(cases),

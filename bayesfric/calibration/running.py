@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis, settings_sha256
 from bayesfric.arrays import Array
 from bayesfric.calibration.generating import SCATTER_AND_NOISE, draw_truth, generating_analysis
 from bayesfric.calibration.ranks import band_of, rank_of
@@ -108,7 +108,7 @@ def calibrate(
     cases = run_cases(
         run_case,
         given,
-        case_folder(folder, CASES, [analysis_sha256(analysis), package_versions()]),
+        case_folder(folder, CASES, [settings_sha256(analysis), package_versions()]),
         workers,
         scheduler,
         progress,
@@ -152,7 +152,7 @@ def calibration_of(
     return CalibrationFile(
         seed=analysis.seed,
         versions=package_versions(),
-        analysis_sha256=analysis_sha256(analysis),
+        analysis_sha256=settings_sha256(analysis),
         created=created_date(None),
         protocol=analysis.calibration.protocol,
         priors=_stated(generating_analysis(analysis)),

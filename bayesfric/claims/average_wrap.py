@@ -8,10 +8,10 @@ from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
 from bayesfric.claims.base import Claim
 from bayesfric.claims.comparison import compare
+from bayesfric.claims.wrap_slope import SPAN_DEG
 from bayesfric.effects import Effect, EffectParameter, State
 from bayesfric.fitting.hypothesis import LawWithEffects
-
-MIDDLE_TENSION_N, SPAN_DEG = 15.0, 50.0
+from bayesfric.observation.coefficients import MIDDLE_TENSION_N
 
 
 def _loaded(p: Mapping[str, Array], state: State) -> Array:

@@ -26,7 +26,7 @@ from bayesfric.claims.kept_draws import models_kept
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.recording.tables import Recording
-from bayesfric.results import Output, identified, provenance_of, replace_outputs, write_netcdf
+from bayesfric.results import identified, provenance_of, write_result
 from bayesfric.rigs.opening import with_own_priors
 from bayesfric.schemas import ClaimsFile
 from bayesfric.schemas.base import Provenance
@@ -89,11 +89,7 @@ class Checked:
         InputError
             The folder cannot be written.
         """
-        outputs: dict[str, Output] = {
-            "claims.nc": lambda path: write_netcdf(self.curves, path, self.summary.run_id),
-            "claims.json": self.summary,
-        }
-        replace_outputs(Path(folder), outputs)
+        write_result(Path(folder), "claims", self.summary, self.curves)
         if junit is not None:
             write_junit(self.summary, junit)
 

@@ -16,8 +16,8 @@ from bayesfric.claims.studies import WIDTHS, Studied, Task, prior_ratios
 from bayesfric.fitting.hypothesis import LawWithEffects
 from bayesfric.inference.evidence.leave_out import Difference, difference
 from bayesfric.inference.power import amplitude_error, smallest_found
+from bayesfric.probabilities import LN10
 
-LN10 = float(np.log(10))
 FOUND_WITH = 0.9  # power at which the smallest detectable effect is reported
 LEAST_AMPLITUDE = 1e-12
 STABLE_OVER = (10**-0.5, 10**0.5)  # a tenfold change of the width

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis, settings_sha256
 from bayesfric.arrays import Array
 from bayesfric.chains import by_walker
 from bayesfric.claims.entered import PAPER
@@ -38,7 +38,7 @@ def current_posterior(
     summary = read_json(FitFile, folder / "fit.json")
     current = (
         summary.recording == recording_id(recording)
-        and summary.analysis_sha256 == analysis_sha256(analysis)
+        and summary.analysis_sha256 == settings_sha256(analysis)
         and len(summary.rigs) == 1
         and summary.baseline == baseline
         and summary.converged

@@ -10,8 +10,9 @@ from bayesfric.claims.base import Claim
 from bayesfric.claims.comparison import compare
 from bayesfric.effects import Effect, EffectParameter, State
 from bayesfric.fitting.hypothesis import LawWithEffects
+from bayesfric.observation.coefficients import MIDDLE_TENSION_N
 
-MIDDLE_PULLEYS, MIDDLE_TENSION_N, MIDDLE_WRAP_DEG, SPAN_DEG = 9.0, 15.0, 85.0, 50.0
+MIDDLE_PULLEYS, MIDDLE_WRAP_DEG, SPAN_DEG = 9.0, 85.0, 50.0
 
 
 def _turn(state: State) -> Array:

@@ -51,7 +51,7 @@ def claims(
         return set()
     if recording is None:
         raise options.unusable("a RECORDING, or --list")
-    options.no_folder(junit, "--junit")
+    options.no_folder_for_junit(junit)
     analysis, chosen = read_analysis(config, seed=seed), options.named_rigs(rigs)
     with hold(output, "claims"), processes(workers) as executor:
         happened = claims_into(

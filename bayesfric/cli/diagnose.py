@@ -91,9 +91,9 @@ def diagnose(
     """
     from bayesfric.analysis import read_analysis
     from bayesfric.campaign import processes
+    from bayesfric.diagnosis.shipped import fitted_numbers
     from bayesfric.effects import effect_of_file
     from bayesfric.recording import read_conditions
-    from bayesfric.results import fitted_numbers
     from bayesfric.testing import checked
 
     analysis = read_analysis(config, seed=seed)

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from bayesfric.export.joints import ExportedJoint
+    from bayesfric.schemas import DiagnosisFile
 
 KINDS = ("json", "python", "mjcf", "urdf", "sdf", "isaaclab")
 OF_MODELS = ("mjcf", "urdf", "sdf")
@@ -59,6 +60,8 @@ def export(
 
     Example: bayesfric export my-results --to mjcf --into robot.xml --draws 200
     """
+    from bayesfric.export.joints import read_diagnosis, refuse_ratios
+
     if to not in KINDS:
         raise options.unusable(one_of(KINDS, to), "--to", to)
     if not folder.is_dir():
@@ -67,44 +70,39 @@ def export(
         expected = f"--to with one of {', '.join(OF_MODELS)}, where --into is given"
         raise options.unusable(expected, "--to", to)
     with hold(folder, "export"):
+        diagnosis = read_diagnosis(folder)
         if to != "json":
-            _refuse_ratios(folder)
-        if into is None and not (to == "isaaclab" or _of_joints(folder, to)):
-            _export_law(folder, to, draws)
+            refuse_ratios(diagnosis)
+        if into is None and not (to == "isaaclab" or _of_joints(diagnosis, to)):
+            _export_law(folder, to, draws, diagnosis)
         else:
-            _export_joints(folder, to, into, joint or [], draws)
+            _export_joints(folder, to, into, joint or [], draws, diagnosis)
 
 
-def _refuse_ratios(folder: Path) -> None:
-    from bayesfric.export.joints import refuse_ratios
-
-    refuse_ratios(folder)
-
-
-def _of_joints(folder: Path, to: str) -> bool:
+def _of_joints(diagnosis: "DiagnosisFile", to: str) -> bool:
     """Return whether a format is written joint by joint; the Python law of pulleys is another."""
     from bayesfric.physics.laws import OF_AXES
-    from bayesfric.results import read_json
-    from bayesfric.schemas import DiagnosisFile
 
-    file = folder / "diagnosis.json"
-    if not file.is_file():
-        return False
-    diagnosis = read_json(DiagnosisFile, file)
     return bool(diagnosis.joints) or (to == "python" and diagnosis.baseline in OF_AXES)
 
 
-def _export_law(folder: Path, to: str, draws: int | None) -> None:
+def _joints(folder: Path, diagnosis: "DiagnosisFile") -> "tuple[ExportedJoint, ...]":
+    from bayesfric.export.joints import joints_of
+    from bayesfric.results import read_beside
+
+    return joints_of(diagnosis, read_beside(diagnosis, folder / "diagnosis.nc"))
+
+
+def _export_law(folder: Path, to: str, draws: int | None, diagnosis: "DiagnosisFile") -> None:
     """Write a law, or a model of one joint alone."""
     from bayesfric.export import FORMATS, export_text, read_law
     from bayesfric.export.bodies import TEXTS
     from bayesfric.export.joint_friction import joint_friction
-    from bayesfric.export.joints import read_joints
 
     law = read_law(folder)
     texts = {FORMATS[to][0]: export_text(law, to)}
     if draws is not None:
-        texts |= _drawn(read_joints(folder), draws, {})
+        texts |= _drawn(_joints(folder, diagnosis), draws, {})
     _write(folder, texts)
     say(law.said, err=True)
     if to in TEXTS:
@@ -112,17 +110,19 @@ def _export_law(folder: Path, to: str, draws: int | None) -> None:
 
 
 def _export_joints(
-    folder: Path, to: str, into: Path | None, named: "Sequence[str]", draws: int | None
+    folder: Path,
+    to: str,
+    into: Path | None,
+    named: "Sequence[str]",
+    draws: int | None,
+    diagnosis: "DiagnosisFile",
 ) -> None:
     """Write the numbers of joints, into a model where one is given."""
     from bayesfric.export.into import filled_model
-    from bayesfric.export.joints import read_joints
     from bayesfric.export.of_joints import TEXTS_OF_JOINTS
     from bayesfric.export.snippets import LOAD_FRICTION_FILE, load_friction_text
-    from bayesfric.results import read_json
-    from bayesfric.schemas import DiagnosisFile
 
-    joints = read_joints(folder)
+    joints = _joints(folder, diagnosis)
     for warning in (joint.warning for joint in joints if joint.warning is not None):
         say(warning, err=True)
     if into is None:
@@ -130,8 +130,8 @@ def _export_joints(
             expected = f"--into MODEL: your {to.upper()} file, since there are {len(joints)} joints"
             raise options.unusable(expected, "--to", to)
         file, text_of = TEXTS_OF_JOINTS[to]
-        recording = read_json(DiagnosisFile, folder / "diagnosis.json").recording
-        _write(folder, {file: text_of(joints, recording.name)} | _drawn(joints, draws, {}))
+        written = {file: text_of(joints, diagnosis.recording.name)}
+        _write(folder, written | _drawn(joints, draws, {}))
         return
     if into.resolve() == (folder / into.name).resolve():
         expected = "a model outside of the folder of the results, which gets the copy"

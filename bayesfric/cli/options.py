@@ -118,8 +118,8 @@ def named_rigs(text: str | None) -> list[str] | None:
     return names
 
 
-def no_folder(path: Path | None, option: str) -> None:
-    """Refuse a folder where a file is to be written, before any work.
+def no_folder_for_junit(path: Path | None) -> None:
+    """Refuse a folder in --junit, which names a file to write, before any work.
 
     Raises
     ------
@@ -128,4 +128,4 @@ def no_folder(path: Path | None, option: str) -> None:
     """
     if path is not None and path.is_dir():
         expected = "the name of a file to write; this is a folder"
-        raise unusable(expected, option, str(path))
+        raise unusable(expected, "--junit", str(path))

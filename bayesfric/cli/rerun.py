@@ -165,15 +165,15 @@ def _repeat(
 
 def _repeat_margins(folder: Path, again: Path, loops: list[Path], quiet: bool) -> None:
     """Compute margins over the new draws, with what the stored ones were asked for."""
+    from bayesfric.analysis import settings_sha256
     from bayesfric.margins import read_loop
-    from bayesfric.margins.loop_file import loop_sha256
     from bayesfric.resources import bundled_loops
     from bayesfric.results import read_json
     from bayesfric.schemas import MarginsFile
 
     stored = read_json(MarginsFile, folder / "margins.json")
     there = [*bundled_loops().values(), *(path for path in loops if path.is_file())]
-    path_of_loop = {loop_sha256(read_loop(path)): path for path in there}
+    path_of_loop = {settings_sha256(read_loop(path)): path for path in there}
     if unknown := [loop.name for loop in stored.loops if loop.loop_sha256 not in path_of_loop]:
         names = ", ".join(unknown)
         say(f"margins.json is not repeated: the loop files of {names} are not known", err=True)

@@ -59,7 +59,7 @@ def run(
     from bayesfric.margins import loop_path, read_loop
     from bayesfric.resources import bundled_recording
 
-    options.no_folder(junit, "--junit")
+    options.no_folder_for_junit(junit)
     analysis, chosen = read_analysis(config, seed=seed), options.named_rigs(rigs)
     loops = [loop_path(file) for file in loop or []]
     for file in loops:  # a fault in one, likewise
@@ -167,7 +167,7 @@ def _key(
     baseline: str,
 ) -> dict[str, object]:
     """Return all that the results of a run depend on."""
-    from bayesfric.analysis import analysis_sha256
+    from bayesfric.analysis import settings_sha256
     from bayesfric.checkpoint import code_sha256
     from bayesfric.cli.stages import digest
     from bayesfric.recording import read_recording
@@ -178,7 +178,7 @@ def _key(
         "recording": str(recording.resolve()),
         "tables": read_recording(recording).sha256,
         "descriptor": digest(recording / PACKAGE_FILE),
-        "analysis": analysis_sha256(analysis),
+        "analysis": settings_sha256(analysis),
         "loops": [digest(path) for path in loops],
         "rigs": rigs,
         "baseline": baseline,

@@ -12,13 +12,12 @@ from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.left_open import sized_places
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.shapes import WIDEST, refined_grid
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects.candidates import is_positive
 from bayesfric.inference.information import Information
 
 MEANS = 5  # shapes at which the mean of a hypothesis' numbers is computed
-ROUNDS = 4  # refinements of the grid of shapes
-OUTERMOST = 2.4  # normal quantile of a shape
 
 
 def numbers_at_shapes(
@@ -127,20 +126,11 @@ def _drawn_shapes(
     log_evidence: Callable[[float], Array], best: float, rng: np.random.Generator
 ) -> Array:
     """Draw a shape for each draw of the small terms, (S,), from log evidences of shapes."""
-    centre, width = best, 2.0
-    for _ in range(ROUNDS):
-        grid = np.clip(centre + width * np.linspace(-1, 1, 41), -OUTERMOST, OUTERMOST)
-        logs = np.stack([log_evidence(float(shape)) for shape in grid]) - 0.5 * grid[:, None] ** 2
-        weights = np.exp(logs - logs.max(axis=0))
-        weights /= weights.sum(axis=0)
-        of_all = weights.mean(axis=1)
-        mean = float(of_all @ grid)
-        sd = float(np.sqrt(of_all @ (grid - mean) ** 2))
-        if sd > width / 12:
-            break
-        centre, width = float(grid[np.argmax(of_all)]), max(6 * sd, width / 15)
+    grid, weights = refined_grid(
+        lambda shapes: np.stack([log_evidence(float(shape)) for shape in shapes]), best
+    )
     reached = np.cumsum(weights, axis=0)
-    picked = (reached < rng.uniform(size=logs.shape[1])).sum(axis=0)
+    picked = (reached < rng.uniform(size=weights.shape[1])).sum(axis=0)
     shapes = grid[np.minimum(picked, grid.size - 1)]
     shapes = shapes + (grid[1] - grid[0]) * rng.uniform(-0.5, 0.5, shapes.size)
-    return np.asarray(np.clip(shapes, -OUTERMOST, OUTERMOST))
+    return np.asarray(np.clip(shapes, -WIDEST, WIDEST))

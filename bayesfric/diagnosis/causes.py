@@ -17,10 +17,10 @@ from bayesfric.diagnosis.verdict import KnownEffect, measures
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects import Effect, EffectParameter
 from bayesfric.inference.priors import describe
+from bayesfric.probabilities import LN10
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause, EffectNumber, Inclusion
 
-LN10 = float(np.log(10))
 FORCES = re.compile("^(N|kg)")
 """Begins the unit of an amplitude that is in the scale of forces."""
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from bayesfric.results import Output, replace_outputs, write_netcdf
+from bayesfric.results import write_result
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas import DiagnosisFile
 
@@ -48,8 +48,4 @@ class Diagnosed:
         InputError
             The folder cannot be written.
         """
-        outputs: dict[str, Output] = {
-            "diagnosis.nc": lambda path: write_netcdf(self.curves, path, self.summary.run_id),
-            "diagnosis.json": self.summary,
-        }
-        replace_outputs(Path(folder), outputs)
+        write_result(Path(folder), "diagnosis", self.summary, self.curves)

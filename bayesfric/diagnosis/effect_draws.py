@@ -10,7 +10,7 @@ from bayesfric.diagnosis.discrepancy import Wide, relative_rms
 from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
-from bayesfric.diagnosis.shapes import Quadratic
+from bayesfric.diagnosis.shapes import WIDEST, Quadratic, refined_grid
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.inference.priors import from_normal
 
@@ -184,20 +184,13 @@ def _shape_draws(
         weighed.at.psi, Acting(phases=weighed.acting.phases), weighed.forms, places
     )
     quadratic = Quadratic(model, reduced, places)
-    centre = weighed.acting.shapes[column]
-    width = 2.0
-    for _ in range(4):
-        grid = np.clip(centre + width * np.linspace(-1, 1, 41), -2.4, 2.4)
+
+    def log_evidences(grid: Array) -> Array:
         shapes = [np.array([shape]) for shape in weighed.acting.shapes]
         shapes[column] = grid
-        logs = quadratic.values(weighed.acting.laws, shapes) - 0.5 * grid**2
-        weights = np.exp(logs - logs.max())
-        weights /= weights.sum()
-        mean = float(weights @ grid)
-        sd = float(np.sqrt(weights @ (grid - mean) ** 2))
-        if sd > width / 12:
-            break
-        centre, width = float(grid[np.argmax(logs)]), max(6 * sd, width / 15)
-    picked = rng.choice(grid, size=count, p=weights)
+        return quadratic.values(weighed.acting.laws, shapes)[:, None]
+
+    grid, weights = refined_grid(log_evidences, weighed.acting.shapes[column])
+    picked = rng.choice(grid, size=count, p=weights[:, 0])
     picked = picked + (grid[1] - grid[0]) * rng.uniform(-0.5, 0.5, count)
-    return np.asarray(np.clip(picked, -2.4, 2.4))
+    return np.asarray(np.clip(picked, -WIDEST, WIDEST))

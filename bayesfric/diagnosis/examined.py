@@ -12,13 +12,13 @@ from bayesfric.effects.in_the_model import IN_THE_MODEL
 from bayesfric.errors import Fault, InputError
 from bayesfric.hypothesis import Hypothesis
 from bayesfric.inference.priors import from_normal
+from bayesfric.probabilities import LN10
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.data import Data
 from bayesfric.schemas.diagnosis import ExaminedEffect
 
 NARROW = 1e-3  # of the usual width; a narrower prior determines a number instead of the data
 APART = "a model of the machine, or other joints that are still"
-LN10 = float(np.log(10))
 
 
 def examinable(

@@ -20,6 +20,7 @@ from bayesfric.hypothesis import Hypothesis
 from bayesfric.inference.symmetric import eigen_of, root_of
 from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.observation.linear import LinearRig
+from bayesfric.probabilities import LN10
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.data import Data
 from bayesfric.schemas.diagnosis import NextExperiment
@@ -27,7 +28,6 @@ from bayesfric.schemas.diagnosis import NextExperiment
 Places = Whole
 RIVALS = 3
 PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")
-LN10 = float(np.log(10))
 
 
 def next_experiment(

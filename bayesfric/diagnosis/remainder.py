@@ -11,10 +11,10 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
+from bayesfric.probabilities import LN10
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Remainder
 
-LN10 = float(np.log(10))
 DRAWS = 1000
 ALL_LEFT = "no cause is named, so that all of the gap is left"
 

@@ -5,15 +5,12 @@ from dataclasses import dataclass
 
 from bayesfric.diagnosis.verdict import Verdict
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.probabilities import stated, two_digits
+from bayesfric.probabilities import ALL_BUT, PAST_ALL, WIDE, stated, two_digits
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import IMPLAUSIBLE, LEFT_OVER, Cause, Unseparated
 from bayesfric.schemas.gap import Axis, Gap, GapRow
 
-ALL_BUT = 0.999
-PAST_ALL = 1.0005  # a larger share is printed as more than all
 ROUGH = 0.2  # width of a share's interval from which it counts as not determined
-WIDE = 0.095  # width of a share's interval from which it is printed in whole per cent
 PULLS = {
     False: (
         "other joints, which may have moved and are not in the log",

@@ -1,14 +1,17 @@
 """Shipped values of the simulator, and which of them are fixed."""
 
 from collections.abc import Collection, Mapping
+from pathlib import Path
 
 import numpy as np
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.friction import Coefficients
+from bayesfric.results import read_json, refuse_mixed
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.truth import table1_coefficients
+from bayesfric.schemas import FitFile
 
 Shipped = Mapping[str, Coefficients] | Mapping[str, float]
 """Laws by pulley size, or numbers by name as ``fit.json`` has them."""
@@ -129,3 +132,26 @@ def held_values(
         )
         if {field, coefficient_name(field, size)} & set(held)
     }
+
+
+def fitted_numbers(folder: Path) -> dict[str, float]:
+    """Return the posterior means of a stored fit, by name: ``c1[small]``, ``mass``.
+
+    Parameters
+    ----------
+    folder : Path
+        Where ``fit.json`` is.
+
+    Raises
+    ------
+    InputError
+        There is no fit, or its files are of two runs.
+    """
+    if folder.is_file():
+        raise InputError([Fault(str(folder), "the folder of a fit; this is a file in it")])
+    fit = read_json(FitFile, folder / "fit.json")
+    refuse_mixed(fit, folder / "fit.json")
+    means = {name: entry.mean for name, entry in fit.parameters.items()}
+    for size, entries in fit.pulleys.items():
+        means |= {coefficient_name(name, size): entry.mean for name, entry in entries.items()}
+    return means

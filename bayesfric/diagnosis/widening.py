@@ -212,7 +212,7 @@ def _wider(number: Interval, name: str, error: float) -> float:
     """Return the factor that raises the sd of a number to a given error."""
     sd = number.sd
     if _is_squeezed(number, name):
-        sd = normal_cut_to(number.mean, sd, 0.0)[1]
+        sd = normal_cut_to(number.mean, sd)[1]
     return max(1.0, error / sd) if sd > 0 else 1.0
 
 
@@ -310,7 +310,7 @@ def wider(interval: Interval, factor: float, name: str) -> Interval:
     For a number near its bound, the underlying normal is widened and truncated again.
     """
     if factor > 1 and _is_squeezed(interval, name):
-        mean, sd = normal_cut_to(interval.mean, interval.sd, 0.0)
+        mean, sd = normal_cut_to(interval.mean, interval.sd)
         return open_below(above(mean, factor * sd, 0.0))
     low, high = (
         interval.q50 + factor * (end - interval.q50) for end in (interval.q05, interval.q95)

@@ -169,23 +169,14 @@ def load_law(held: str, length: str, heavy: float) -> Law:
     return partial(_of_load, held, length, heavy)
 
 
-def load_law_by_own_shares(held: str, length: str) -> Law:
-    """Return the law of a load whose ratio of shares, ``mass_over_friction``, was searched for.
+def sprung_by_own_shares(p: Mapping[str, Array], state: State) -> Array:
+    """Return the force of a load on a spring whose ratio of shares was searched for [N].
 
-    Its `length` is defined with a share of the friction that equals the share of the mass. So a
-    length and a mass give one stiffness.
-
-    Parameters
-    ----------
-    held, length : str
-        As of :func:`load_law`.
+    The ratio is ``mass_over_friction``. The length is defined with a share of the friction that
+    equals the share of the mass. So a length and a mass give one stiffness.
     """
-    return partial(_by_own_shares, held, length)
-
-
-def _by_own_shares(held: str, length: str, p: Mapping[str, Array], state: State) -> Array:
     heavy = state.mass_over_friction
-    return _of_load(held, length, heavy, {**p, length: p[length] / heavy}, state)
+    return _of_load("spring", "length", heavy, {**p, "length": p["length"] / heavy}, state)
 
 
 def _of_load(held: str, length: str, heavy: float, p: Mapping[str, Array], state: State) -> Array:

@@ -12,11 +12,7 @@ import numpy as np
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State, after_passes
-
-
-def _dahl(p: Mapping[str, Array], state: State) -> Array:
-    unsettled = np.exp(-np.asarray(state.travel_m) / p["length"])
-    return -p["share"] * state.settling_friction_n * unsettled
+from bayesfric.effects.presliding import exponential
 
 
 def _bouc_wen(p: Mapping[str, Array], state: State) -> Array:
@@ -47,7 +43,7 @@ EFFECT = Effect(
         "of the board",
         typical=0.04,
     ),
-    laws={"dahl": _dahl, "bouc-wen": _bouc_wen},
+    laws={"dahl": exponential, "bouc-wen": _bouc_wen},
     turning={"after-passes": after_passes},
     edge={"travel_m": 0.0},
     along_path=True,

@@ -18,7 +18,7 @@ from bayesfric.effects.base import (
     EffectParameter,
     State,
     load_law,
-    load_law_by_own_shares,
+    sprung_by_own_shares,
 )
 from bayesfric.physics.loads import taken_along
 
@@ -79,7 +79,7 @@ EFFECT = Effect(
         "seen-at-load": _seen_at_load,
         "rings-half-mass": load_law("spring", "length", 0.5),
         "rings-mass": load_law("spring", "length", 1.0),
-        "rings-own-shares": load_law_by_own_shares("spring", "length"),
+        "rings-own-shares": sprung_by_own_shares,
         "rings-mass-alone": load_law("spring", "length", np.inf),
     },
     along_path=True,

@@ -10,7 +10,7 @@ import xarray as xr
 from bayesfric.arrays import Array
 from bayesfric.attention.diagnosis import why_untrusted
 from bayesfric.errors import Fault, InputError
-from bayesfric.results import read_beside, read_json
+from bayesfric.results import read_json
 from bayesfric.rigs.rotary import is_relative, turns
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
@@ -98,8 +98,8 @@ class ExportedJoint:
         return kept, int(count - possible.sum())
 
 
-def refuse_ratios(folder: Path) -> None:
-    """Refuse numbers that are divided by a servo's stiffness: no simulator accepts them.
+def read_diagnosis(folder: Path) -> DiagnosisFile:
+    """Read the diagnosis of a folder.
 
     Parameters
     ----------
@@ -109,12 +109,24 @@ def refuse_ratios(folder: Path) -> None:
     Raises
     ------
     InputError
+        There is no diagnosis.
+    """
+    return read_json(DiagnosisFile, folder / "diagnosis.json", "diagnose")
+
+
+def refuse_ratios(diagnosis: DiagnosisFile) -> None:
+    """Refuse numbers that are divided by a servo's stiffness: no simulator accepts them.
+
+    Parameters
+    ----------
+    diagnosis : DiagnosisFile
+        Diagnosis of one joint, or of several.
+
+    Raises
+    ------
+    InputError
         A joint has such a number.
     """
-    file = folder / "diagnosis.json"
-    if not file.is_file():
-        return
-    diagnosis = read_json(DiagnosisFile, file)
     for block in diagnosis.joints or (diagnosis,):
         if is_relative(block.gap.unit):
             expected = (
@@ -124,27 +136,6 @@ def refuse_ratios(folder: Path) -> None:
                 "in rig.robot), or take the ratios with --to json"
             )
             raise InputError([Fault("diagnosis.json", expected)])
-
-
-def read_joints(folder: Path) -> tuple[ExportedJoint, ...]:
-    """Read the joints of a folder.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder with the results of ``diagnose``.
-
-    Raises
-    ------
-    InputError
-        There is no diagnosis, or it has no joint.
-    """
-    file = folder / "diagnosis.json"
-    if not file.is_file():
-        expected = f"it in {folder}: run `bayesfric diagnose RECORDING -o {folder}`"
-        raise InputError([Fault("diagnosis.json", expected)])
-    diagnosis = read_json(DiagnosisFile, file)
-    return joints_of(diagnosis, read_beside(diagnosis, folder / "diagnosis.nc"))
 
 
 def joints_of(diagnosis: DiagnosisFile, curves: xr.DataTree) -> tuple[ExportedJoint, ...]:

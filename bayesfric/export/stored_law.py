@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
-from bayesfric.export.joints import ExportedJoint, joints_of
+from bayesfric.export.joints import ExportedJoint, joints_of, read_diagnosis
 from bayesfric.export.numbers import Number, drawn_numbers, law_said, numbers_of
 from bayesfric.observation.coefficients import NO_PULLEY, law_of
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
@@ -113,16 +113,12 @@ def read_law(folder: Path) -> StoredLaw:
         A result is missing, the two have different recordings or laws, or a joint has no number
         to enter.
     """
-    if not (folder / "diagnosis.json").is_file():
-        raise InputError([_missing(folder, "diagnosis.json", "diagnose")])
-    diagnosis = read_json(DiagnosisFile, folder / "diagnosis.json")
+    diagnosis = read_diagnosis(folder)
     curves = read_beside(diagnosis, folder / "diagnosis.nc")
     if diagnosis.baseline in OF_AXES:
         (joint,) = joints_of(diagnosis, curves)
         return _of_joint(_measured(diagnosis, curves, folder), joint)
-    if not (folder / "fit.json").is_file():
-        raise InputError([_missing(folder, "fit.json", "fit")])
-    fit = read_json(FitFile, folder / "fit.json")
+    fit = read_json(FitFile, folder / "fit.json", "fit")
     same_law = fit.baseline == diagnosis.baseline
     if not same_law or not fit.recording.same_data(diagnosis.recording):
         expected = "a diagnosis of the recording and with the law of fit.json"
@@ -136,10 +132,6 @@ def read_law(folder: Path) -> StoredLaw:
         coefficients=_coefficients(fit, numbers, law.friction),
         draws=drawn_numbers(folder, fit, diagnosis),
     )
-
-
-def _missing(folder: Path, file: str, verb: str) -> Fault:
-    return Fault(file, f"it in {folder}: run `bayesfric {verb} RECORDING -o {folder}`")
 
 
 def _measured(diagnosis: DiagnosisFile, curves: xr.DataTree, folder: Path) -> StoredLaw:

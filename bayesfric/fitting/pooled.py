@@ -194,11 +194,12 @@ def _summary(
         rigs=next(iter(fits.values())).summary.rigs,
         baseline=next(iter(fits.values())).summary.baseline,
         converged=converged and reliable and all(fit.summary.converged for fit in fits.values()),
-        attention=of_pooled(
-            {name: fit.summary for name, fit in fits.items()},
-            drawn.pareto_k,
-            SAMPLING_RULES.pareto_k,
-            list(unsettled(convergence, entries)),
+        attention=tuple(
+            of_pooled(
+                {name: fit.summary for name, fit in fits.items()},
+                drawn.pareto_k,
+                list(unsettled(convergence, entries)),
+            )
         ),
         pulleys=_by_size(entries, *_stems_and_sizes(population)),
         scatter={},

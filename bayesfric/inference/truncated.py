@@ -94,15 +94,13 @@ def normal_above(mean: float, sd: float, least: float) -> tuple[float, float, Ar
     return mean + sd * centre, sd * width, np.asarray(mean + sd * quantiles)
 
 
-def normal_cut_to(mean: float, sd: float, least: float) -> tuple[float, float]:
-    """Return the normal distribution whose truncation has a given mean and standard deviation.
+def normal_cut_to(mean: float, sd: float) -> tuple[float, float]:
+    """Return the normal distribution whose truncation at 0 has a given mean and sd.
 
     Parameters
     ----------
     mean, sd : float
         Mean and standard deviation with truncation.
-    least : float
-        Lower bound; −∞ means no bound.
 
     Returns
     -------
@@ -110,17 +108,17 @@ def normal_cut_to(mean: float, sd: float, least: float) -> tuple[float, float]:
         Mean and standard deviation without truncation. The bound is at most :data:`FARTHEST`
         standard deviations above the mean.
     """
-    if not sd > 0 or mean - least > FARTHEST * sd:
+    if not sd > 0 or mean > FARTHEST * sd:
         return mean, sd
 
     def ratio(start: float) -> float:
         centre, width = _moments_above(start)
         return width / (centre - start)
 
-    asked = min(sd / (mean - least), ratio(FARTHEST)) if mean > least else ratio(FARTHEST)
+    asked = min(sd / mean, ratio(FARTHEST)) if mean > 0 else ratio(FARTHEST)
     start = scipy.optimize.brentq(lambda x: ratio(x) - asked, -2 * FARTHEST, FARTHEST)
     whole = sd / _moments_above(start)[1]
-    return least - start * whole, whole
+    return -start * whole, whole
 
 
 def _moments_above(start: float) -> tuple[float, float]:

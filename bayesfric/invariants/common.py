@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
-ROUNDING = 1e-9
+ROUNDING, SHARES = 1e-9, 1e-6  # by which rounding may move a number, and a sum of shares
 PROBABILITY = re.compile(r"(^|_)probability(_|$)|^p_value$|^below_floor$|^p$")
 NOT_ONE = re.compile(r"_(se|why|max)$")
 INTERVAL = ("q05", "q50", "q95")

@@ -6,9 +6,8 @@ from typing import Any
 
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import UNKNOWN, parsed
-from bayesfric.invariants.common import Rule, rule
+from bayesfric.invariants.common import ROUNDING, SHARES, Rule, rule
 
-SUM, SHARES = 1e-9, 1e-6
 FAR = 1.5  # times what is measured before, beyond which a systematic gap contradicts it
 UNLISTED = 1e-3  # probability of hypotheses too rare to be listed
 ROUND = "rotation_angle"
@@ -30,7 +29,7 @@ def _hypotheses_add_up_to_1(record: Mapping[str, Any]) -> list[str]:
         whole = math.fsum(by_hypothesis.values())
         if any(not 0 <= chance <= 1 for chance in by_hypothesis.values()):
             wrong.append(f"{place} has a probability outside of 0 to 1")
-        if abs(whole - 1) > SUM:
+        if abs(whole - 1) > ROUNDING:
             wrong.append(f"{place} add up to {whole:.12g}")
     return wrong
 
@@ -105,10 +104,10 @@ def _shrink_of_a_gap(record: Mapping[str, Any]) -> list[str]:
         shrink = row["shrink"]
         if shrink is None:
             continue
-        if 1 - row["below_floor"] < RULES.above_floor - SUM:
+        if 1 - row["below_floor"] < RULES.above_floor - ROUNDING:
             above = 1 - row["below_floor"]
             wrong.append(f"{name} shrinks, and is above its floor with {above:.2f} only")
-        if shrink["q50"] > RULES.most_shrink + SUM:
+        if shrink["q50"] > RULES.most_shrink + ROUNDING:
             wrong.append(f"{name} shrinks by {shrink['q50']:.3g} of itself")
     return wrong
 
@@ -132,7 +131,7 @@ def _verdict_follows(record: Mapping[str, Any]) -> list[str]:
     unknown, wrong = chances.get(UNKNOWN, 0.0), []
     causes = {cause["effect"] for cause in record["causes"]}
     rivals = [pair for pair in record["unseparated"] if pair["reason"] == "these-data"]
-    no_gap = above <= 1 - RULES.sure + SUM
+    no_gap = above <= 1 - RULES.sure + ROUNDING
     if no_gap and kind not in ("no-gap", "undecided"):
         wrong.append(f"it is {kind} where a gap is there with {above:.3g} only")
     if kind == "no-gap" and not no_gap:
@@ -172,7 +171,7 @@ def _causes_act(record: Mapping[str, Any]) -> list[str]:
     for kind, (least, most) in bounds.items():
         for effect in record[kind]:
             chance = effect["inclusion_probability"]
-            if not least - SUM <= chance <= most + SUM:
+            if not least - ROUNDING <= chance <= most + ROUNDING:
                 wrong.append(f"{effect['effect']} of {kind} acts with {chance:.3g}")
     return wrong
 

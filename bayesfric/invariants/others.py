@@ -3,11 +3,9 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from bayesfric.invariants.common import Rule, places, rule
+from bayesfric.invariants.common import ROUNDING, SHARES, Rule, places, rule
 
-ROUNDING = 1e-9
 LEAST_R_HAT = 0.95  # chains agree no better than as if they were one
-SHARES = 1e-6
 
 
 FIT: dict[str, Rule] = {}

@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.errors import Fault, InputError, near
+from bayesfric.recording.reading import LARGEST_FILE as LARGEST_FILE
 
-LARGEST_FILE = 512 * 1024**2  # bytes, of a file and of its unpacked content
 MOST_CELLS = 64_000_000  # as doubles, 512 MiB
 MOST_COLUMNS = 10_000
 LISTED = 12  # most columns that an error lists

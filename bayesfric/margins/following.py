@@ -12,7 +12,6 @@ import numpy as np
 from bayesfric.arrays import Array, evenly
 from bayesfric.errors import Fault
 from bayesfric.margins.describing import natural_frequency
-from bayesfric.margins.frequency_figures import SHOWN_QUANTILES
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
@@ -23,6 +22,7 @@ from bayesfric.margins.rows import interval_of
 from bayesfric.margins.sampled_loop import CompensationSignal, SampledLoop
 from bayesfric.margins.scanning import speeds_of
 from bayesfric.margins.simulating import follow
+from bayesfric.schemas.base import QUANTILES
 from bayesfric.schemas.loop_runs import Compensator, FollowedWith, Following, Trajectory
 
 SIGNALS: tuple[CompensationSignal, ...] = ("none", "reference", "measured", "error")
@@ -159,7 +159,7 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
         rms = np.sqrt((errors**2).mean(axis=0, where=judged))
         peak = np.abs(errors).max(axis=0, where=judged, initial=0.0)
         shown = errors[np.minimum(at, errors.shape[0] - 1), :, np.arange(n)]
-        by_signal[signal] = rms, peak, np.quantile(shown, SHOWN_QUANTILES, axis=1)
+        by_signal[signal] = rms, peak, np.quantile(shown, QUANTILES, axis=1)
     trajectories = [
         _trajectory(
             name,

@@ -6,6 +6,7 @@ from bayesfric.arrays import Array, Complex, evenly
 from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
+from bayesfric.schemas.base import QUANTILES
 from bayesfric.schemas.margins import Bode, NyquistFan
 
 BODE_DRAWS = 100
@@ -13,7 +14,6 @@ LOWEST, HIGHEST = 0.05, 50.0
 """Frequency range over the natural frequency; at most half the sample rate."""
 BODE_POINTS, SHOWN_EVERY = 1501, 10
 """Number of frequencies for unwrapping the phase, and step to those of the figure."""
-SHOWN_QUANTILES = (0.05, 0.5, 0.95)
 FAN_DRAWS = 12
 FAN_POINTS = 100
 DIGITS = 5
@@ -48,9 +48,7 @@ def bode_bands(shaft: LoopAtShaft) -> tuple[Bode, ...]:
 
 
 def _levels(values: Array) -> tuple[tuple[float, ...], ...]:
-    return tuple(
-        _short(curve[::SHOWN_EVERY]) for curve in np.quantile(values, SHOWN_QUANTILES, axis=0)
-    )
+    return tuple(_short(curve[::SHOWN_EVERY]) for curve in np.quantile(values, QUANTILES, axis=0))
 
 
 def _short(values: Array) -> tuple[float, ...]:

@@ -44,8 +44,8 @@ LEAST_EXCESS = 0.02
 """Relative excess of breakaway over moving friction, below which no slow cycle is waited for."""
 LASTS = (0.6, MARGIN_RULES.swing_lasts)
 """Least and largest share of its amplitude that a lasting oscillation keeps."""
-SHARE_WITHIN, LEAST_WIDTH = 0.05, 1e-3
-"""Relative width of the bisection, and its least absolute width."""
+LEAST_WIDTH = 1e-3
+"""Least width of the bisection."""
 
 
 class RunLength(NamedTuple):
@@ -162,7 +162,7 @@ def hunting_threshold(
     kick: ArrayLike,
     reference_speed: ArrayLike = 0.0,
     gammas: Sequence[float] = EVERY_TENTH,
-    tolerance: float = 0.01,
+    tolerance: float = MARGIN_RULES.threshold_tolerance,
     hunts_at: ArrayLike = np.inf,
     expected: int = TRIED_AT_ONCE,
 ) -> Thresholds:
@@ -183,7 +183,7 @@ def hunting_threshold(
     gammas : sequence of float
         The γ that are simulated first, increasing from 0.
     tolerance : float
-        Final width of the bisection; for smaller thresholds, a share :data:`SHARE_WITHIN`.
+        Final width of the bisection; for smaller thresholds, a share `threshold_share`.
     hunts_at : array_like
         γ at which each draw hunts in another condition, a scalar or (draws,). No larger γ is tried.
     expected : int
@@ -252,7 +252,7 @@ def _bisect(
     hunts: Callable[[Whole, Array], Flags],
     tolerance: float,
 ) -> Thresholds:
-    """Bisect thresholds down to a tolerance, or to a share :data:`SHARE_WITHIN` of smaller ones.
+    """Bisect thresholds down to a tolerance, or to a share `threshold_share` of smaller ones.
 
     Parameters
     ----------
@@ -267,7 +267,9 @@ def _bisect(
     """
     threshold, condition = thresholds.gamma, thresholds.condition
     while True:
-        near = np.minimum(tolerance, np.maximum(SHARE_WITHIN * threshold, LEAST_WIDTH))
+        near = np.minimum(
+            tolerance, np.maximum(MARGIN_RULES.threshold_share * threshold, LEAST_WIDTH)
+        )
         wide = np.isfinite(threshold) & (threshold - below > near)
         if not wide.any():
             return thresholds

@@ -1,31 +1,28 @@
 """A loop with all quantities referred to the motor's shaft, one value for each draw."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
-from bayesfric.arrays import Array, Flags, Whole, taken
+from bayesfric.arrays import Array, Flags
 from bayesfric.margins.cable_run import DIRECTIONS, Direction
 from bayesfric.margins.cable_stage import Stage, train_modes
 from bayesfric.margins.loop_file import Loop
-from bayesfric.margins.sampled_loop import Cable, SampledLoop
+from bayesfric.margins.sampled_loop import Cable, Controlled, SampledLoop
 from bayesfric.margins.wrist import Wrist
 
 STIFF = 5.0
 """Phase of a cable's ringing in one sample above which the cable counts as stiff [rad]."""
 HEAVIER = 0.02
 """Least inertia in the simulation of a shaft between two cables, over that of the lighter end."""
-ALIKE = (
-    *("inertia", "viscous", "friction", "stiction_ratio", "falling", "falling_speed"),
-    *("kp", "kd", "ki", "sample_time", "delay", "velocity_cutoff", "position_cutoff"),
-    *("boundary", "cable"),
-)
-"""Fields that the simulator's loop has under the same name."""
 
 
-@dataclass(frozen=True)
-class LoopAtShaft:
+@dataclass(frozen=True, kw_only=True)
+class LoopAtShaft(Controlled):
     """The loop at the motor's shaft; every array of shape (draws,), SI.
+
+    Friction is that of motor and gearbox, cable runs and joint. The other fields are those of
+    :class:`~bayesfric.margins.sampled_loop.Controlled`.
 
     Parameters
     ----------
@@ -37,26 +34,13 @@ class LoopAtShaft:
         Viscous friction on either end [N·m·s/rad].
     stiffness, damping : ndarray
         Of the cable, or of both in series [N·m/rad, N·m·s/rad].
-    friction : ndarray
-        F, the friction of motor and gearbox, cable runs and joint [N·m].
     drive_friction, shaft_friction, joint_friction : ndarray
         Parts of F: of motor and gearbox, of a shaft between two cables, and of the joint itself
         [N·m].
     shaft_inertia : ndarray
         Inertia of a shaft between two cables; 0 without one [kg·m²].
-    stiction_ratio : ndarray
-        Breakaway over friction at rest, at least 1 [-].
-    falling, falling_speed : ndarray
-        Friction beyond F at the lowest speed, and the speed at which it has fallen to 1/e of
-        that [N·m, rad/s].
-    kp, kd, ki : ndarray
-        Gains [N·m/rad, N·m·s/rad, N·m/(rad·s)].
-    sample_time, delay : ndarray
-        Sample time and delay [s]; the delay without the hold's half sample.
     counts : ndarray
         Counts of the encoder per revolution of the shaft.
-    velocity_cutoff, position_cutoff : ndarray
-        Corners of the low-passes of velocity and position; infinite without one [rad/s].
     clip, continuous : ndarray, ndarray or None
         Torque limits [N·m].
     net_load : ndarray
@@ -67,9 +51,6 @@ class LoopAtShaft:
         Estimate F̂ of the compensation [N·m].
     gamma : ndarray
         Gain of the compensation [-].
-    boundary : ndarray
-        Half width of the linear piece of the compensation [rad/s, or rad with the signal
-        `error`].
     efficiency : ndarray
         η of all runs in series; 1 for an antagonist pair [-].
     cable_per_rad : ndarray
@@ -95,21 +76,10 @@ class LoopAtShaft:
     load_viscous: Array
     stiffness: Array
     damping: Array
-    friction: Array
     drive_friction: Array
     shaft_friction: Array
     joint_friction: Array
     shaft_inertia: Array
-    stiction_ratio: Array
-    falling: Array
-    falling_speed: Array
-    kp: Array
-    kd: Array
-    ki: Array
-    sample_time: Array
-    delay: Array
-    velocity_cutoff: Array
-    position_cutoff: Array
     counts: Array
     clip: Array
     continuous: Array | None
@@ -119,7 +89,6 @@ class LoopAtShaft:
     peak_acceleration: Array
     estimate: Array
     gamma: Array
-    boundary: Array
     efficiency: Array
     cable_per_rad: Array
     tip_per_rad: Array
@@ -167,11 +136,6 @@ class LoopAtShaft:
         if self.sees_joint:
             return np.zeros_like(self.load_torque)
         return np.asarray(np.abs(self.load_torque) / self.stiffness)
-
-    @property
-    def breakaway(self) -> Array:
-        """Friction at the lowest speed times the stiction ratio [N·m]."""
-        return (self.friction + self.falling) * self.stiction_ratio
 
     @property
     def slope(self) -> Array:
@@ -236,10 +200,6 @@ class LoopAtShaft:
         load = np.abs(self.load_torque)
         held = [np.min(stage.tension, axis=0) > load / stage.per_rad / 2 for stage in self.stages]
         return np.asarray(np.logical_and.reduce(held))
-
-    def taken(self, rows: Whole) -> "LoopAtShaft":
-        """Return some of the draws."""
-        return taken(self, rows)
 
     @property
     def ringing(self) -> Array:
@@ -310,7 +270,10 @@ class LoopAtShaft:
         """
         compensation = self.loop.compensation
         return SampledLoop(
-            **{name: getattr(self, name) for name in ALIKE},
+            **{part.name: getattr(self, part.name) for part in fields(Controlled)},
+            inertia=self.inertia,
+            viscous=self.viscous,
+            cable=self.cable,
             load_torque=self.net_load,
             encoder_at=self.loop.controller.encoder_at,
             counts_per_revolution=self.counts,

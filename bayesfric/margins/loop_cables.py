@@ -7,9 +7,9 @@ from pydantic import ConfigDict, Field, model_validator
 
 from bayesfric.docstrings import Documented
 from bayesfric.margins.quantities import NonNegative, Positive, Quantity
+from bayesfric.schemas.base import Number
 
 Angle = Annotated[float, Field(ge=0, le=720)]
-Ratio = Annotated[float, Field(allow_inf_nan=False)]
 
 SINGULAR = 1e-6
 """Reciprocal condition number below which a coupling matrix counts as singular."""
@@ -147,7 +147,7 @@ class Coupling(Section):
     others: The other joints, in the order of the matrix without this one.
     """
 
-    matrix_rad_per_rad: Annotated[list[list[Ratio]], Field(min_length=2, max_length=3)]
+    matrix_rad_per_rad: Annotated[list[list[Number]], Field(min_length=2, max_length=3)]
     axis: Annotated[int, Field(ge=1, le=3)]
     others: list[OtherJoint]
 

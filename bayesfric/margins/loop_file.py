@@ -4,11 +4,11 @@ Units stand in the names of the keys. An angle or torque "at the motor" is that 
 motor's shaft, before the gearbox. Unknown keys are refused.
 """
 
-import hashlib
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from bayesfric.analysis import Share
 from bayesfric.margins.loop_cables import (
     Cable,
     CableRun,
@@ -18,7 +18,6 @@ from bayesfric.margins.loop_cables import (
 )
 from bayesfric.margins.quantities import NonNegative, Positive, Quantity
 
-Share = Annotated[float, Field(gt=0, lt=1)]
 Bound = Annotated[float, Field(gt=0, allow_inf_nan=False)] | None
 Speed = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
@@ -349,8 +348,3 @@ class Loop(Section):
             *((f"runs.{place}", run) for place, run in enumerate(self.runs)),
             *((f"second_stage.runs.{place}", run) for place, run in enumerate(second)),
         )
-
-
-def loop_sha256(loop: Loop) -> str:
-    """Return the SHA-256 of the whole loop, with its defaults."""
-    return hashlib.sha256(loop.model_dump_json().encode()).hexdigest()

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bayesfric.analysis import settings_sha256
 from bayesfric.arrays import Array
 from bayesfric.margins.answer import (
     SafeGain,
@@ -24,7 +25,7 @@ from bayesfric.margins.following import follow_all
 from bayesfric.margins.frequency_figures import bode_bands, nyquist_fans
 from bayesfric.margins.inputs import beyond_the_draws
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
-from bayesfric.margins.loop_file import Loop, Spec, loop_sha256
+from bayesfric.margins.loop_file import Loop, Spec
 from bayesfric.margins.metric_definitions import missed_specs
 from bayesfric.margins.metrics import Key, Linear, closed_forms, linear_of
 from bayesfric.margins.plant import plant_of
@@ -140,7 +141,7 @@ def loop_margins(
     summary = LoopMargins(
         name=loop.name,
         title=loop.title,
-        loop_sha256=loop_sha256(loop),
+        loop_sha256=settings_sha256(loop),
         answer=_answer(shaft, judged, together, beyond, shares),
         plant=plant_of(shaft),
         compensation_signal=loop.compensation.signal,

@@ -10,13 +10,13 @@ from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.files import key_faults, read_toml
 from bayesfric.margins.loop_file import Loop, RevoluteJoint
 from bayesfric.margins.quantities import FAMILIES, central
+from bayesfric.recording.plausibility import RADIANS_BELOW
 from bayesfric.resources import bundled_loops
 
 DRUM_M = (1e-3, 1.0)  # plausible drum radius of a revolute joint
 CABLE_PER_TRAVEL = (0.1, 10.0)  # travel of cable over that of a prismatic joint (a tackle)
 SLOWEST_SAMPLED_S = 0.1  # largest sample time of a loop that holds a joint
 TORN = 0.2  # relative stretch at which any cable is torn
-RADIANS_BELOW = 3.2  # smaller wrap angles are likely in radians
 LONGEST_M = 100.0  # longest plausible cable, or lever to the tip
 
 

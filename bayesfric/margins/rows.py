@@ -15,10 +15,8 @@ from bayesfric.margins.metrics import Key, Linear, spec_of
 from bayesfric.margins.terms import standard_error
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.margins import Metric
+from bayesfric.schemas.margins import QUANTILE_LEVELS, Metric
 
-LEVELS = (0.01, *(round(0.05 * step, 2) for step in range(1, 20)), 0.99)
-"""Probabilities at which a metric's quantiles are stored."""
 ROUNDING = 1e-9
 """Relative spread below which draws count as equal up to rounding."""
 OF_ALL = "of all motors that turn this joint, each at its worst"
@@ -78,9 +76,14 @@ class _About(NamedTuple):
     hunting: Hunting
 
 
+def is_constant(values: Array) -> bool:
+    """Return whether the spread of draws is only rounding."""
+    return bool(np.ptp(values) <= ROUNDING * np.abs(values).max())
+
+
 def interval_of(values: Array) -> Interval:
     """Return the five numbers of a distribution, without spread if the spread is only rounding."""
-    if np.ptp(values) <= ROUNDING * np.abs(values).max():
+    if is_constant(values):
         return Interval.of(values[0], 0.0, np.full(3, values[0]))
     return Interval.of_draws(values, ddof=1)
 
@@ -150,8 +153,8 @@ def _quantiles(values: Array, interval: Interval | None) -> tuple[float, ...]:
     if interval is None:
         return ()
     if interval.sd == 0:
-        return (interval.mean,) * len(LEVELS)
-    return tuple(map(float, np.quantile(values, LEVELS)))
+        return (interval.mean,) * len(QUANTILE_LEVELS)
+    return tuple(map(float, np.quantile(values, QUANTILE_LEVELS)))
 
 
 def _missing(name: str, value: Array | None, shaft: LoopAtShaft, hunting: Hunting) -> str:

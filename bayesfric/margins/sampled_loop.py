@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, fields
 from functools import partial
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 
@@ -58,18 +58,12 @@ class Cable:
         return np.asarray(np.sqrt((np.stack(self.stiffness) * both).sum(axis=0)))
 
 
-@dataclass(frozen=True)
-class SampledLoop:
-    """A sampled position loop and its friction, at the motor shaft.
-
-    Every number is an array of shape (draws,); scalars are broadcast to it.
+@dataclass(frozen=True, kw_only=True)
+class Controlled:
+    """Friction of a shaft and the controller that moves it; every array of shape (draws,).
 
     Parameters
     ----------
-    inertia : ndarray
-        Inertia J of everything that turns with the shaft [kg·m²].
-    viscous : ndarray
-        b [N·m·s/rad].
     friction : ndarray
         Coulomb torque F while the shaft turns [N·m].
     kp : ndarray
@@ -88,16 +82,57 @@ class SampledLoop:
     falling, falling_speed : ndarray
         Friction beyond F at the lowest speed, and the speed at which it has fallen to 1/e of
         that [N·m, rad/s].
-    counts_per_revolution : ndarray
-        Encoder counts per revolution of the shaft; 0: an encoder without steps.
-    torque_limit : ndarray
-        The command is clipped to ± this [N·m]; may be infinite.
     velocity_cutoff : ndarray
         Corner of the low-pass that the derivative's speed goes through; infinite without
         one [rad/s].
     position_cutoff : ndarray
         Corner of the low-pass that the measured position goes through; infinite without one
         [rad/s].
+    boundary : ndarray
+        Half width of the linear piece of the compensation; 0: a bare sign [rad/s, or rad for
+        `error`].
+    """
+
+    friction: Array
+    kp: Array
+    kd: Array
+    sample_time: Array
+    ki: Array = field(default_factory=ZERO)
+    delay: Array = field(default_factory=ZERO)
+    stiction_ratio: Array = field(default_factory=UNIT)
+    falling: Array = field(default_factory=ZERO)
+    falling_speed: Array = field(default_factory=UNIT)
+    velocity_cutoff: Array = field(default_factory=ENDLESS)
+    position_cutoff: Array = field(default_factory=ENDLESS)
+    boundary: Array = field(default_factory=ZERO)
+
+    @property
+    def breakaway(self) -> Array:
+        """Breakaway torque: friction at the lowest speed times the stiction ratio [N·m]."""
+        return (self.friction + self.falling) * self.stiction_ratio
+
+    def taken(self, rows: Whole) -> Self:
+        """Return the loop of some draws, in a given order, with repetition if wanted."""
+        return taken(self, rows)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SampledLoop(Controlled):
+    """A sampled position loop and its friction, at the motor shaft.
+
+    Every number is an array of shape (draws,); scalars are broadcast to it. The other fields are
+    those of :class:`Controlled`.
+
+    Parameters
+    ----------
+    inertia : ndarray
+        Inertia J of everything that turns with the shaft [kg·m²].
+    viscous : ndarray
+        b [N·m·s/rad].
+    counts_per_revolution : ndarray
+        Encoder counts per revolution of the shaft; 0: an encoder without steps.
+    torque_limit : ndarray
+        The command is clipped to ± this [N·m]; may be infinite.
     load_torque : ndarray
         Constant torque against the motor, less the feed-forward of the controller [N·m].
     compensation_signal : {"none", "reference", "measured", "error"}
@@ -107,9 +142,6 @@ class SampledLoop:
         γ, the share of the estimate that is fed forward [-].
     compensation_estimate : ndarray
         F̂, the estimate of the Coulomb torque [N·m].
-    boundary : ndarray
-        Half width of the linear piece of the compensation; 0: a bare sign [rad/s, or rad for
-        `error`].
     at_rest : {"off", "hold"}
         Compensation at exactly zero speed: none, or the last one. Does not apply to `error`.
     encoder_at : {"motor", "joint"}
@@ -120,24 +152,12 @@ class SampledLoop:
 
     inertia: Array
     viscous: Array
-    friction: Array
-    kp: Array
-    kd: Array
-    sample_time: Array
-    ki: Array = field(default_factory=ZERO)
-    delay: Array = field(default_factory=ZERO)
-    stiction_ratio: Array = field(default_factory=UNIT)
-    falling: Array = field(default_factory=ZERO)
-    falling_speed: Array = field(default_factory=UNIT)
     counts_per_revolution: Array = field(default_factory=ZERO)
     torque_limit: Array = field(default_factory=ENDLESS)
-    velocity_cutoff: Array = field(default_factory=ENDLESS)
-    position_cutoff: Array = field(default_factory=ENDLESS)
     load_torque: Array = field(default_factory=ZERO)
     compensation_signal: CompensationSignal = "none"
     compensation_gain: Array = field(default_factory=ZERO)
     compensation_estimate: Array = field(default_factory=ZERO)
-    boundary: Array = field(default_factory=ZERO)
     at_rest: AtRest = "off"
     encoder_at: EncoderAt = "motor"
     cable: Cable | None = None
@@ -153,15 +173,6 @@ class SampledLoop:
             object.__setattr__(self, name, np.broadcast_to(value, shape))
 
     @property
-    def breakaway(self) -> Array:
-        """Breakaway torque of a shaft at rest, shape (draws,) [N·m]."""
-        return (self.friction + self.falling) * self.stiction_ratio
-
-    @property
     def draws(self) -> int:
         """Number of draws."""
         return self.inertia.size
-
-    def taken(self, rows: Whole) -> "SampledLoop":
-        """Return the loop of some draws, in a given order, with repetition if wanted."""
-        return taken(self, rows)

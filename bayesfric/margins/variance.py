@@ -19,7 +19,7 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.metrics import Key
-from bayesfric.margins.rows import ROUNDING
+from bayesfric.margins.rows import is_constant
 
 
 def variance_shares(
@@ -50,16 +50,12 @@ def variance_shares(
         }
         without = apart[name, direction]
         everything = np.array([values, without, *others.values()])
-        if not np.isfinite(everything).all() or _still(everything):
+        if not np.isfinite(everything).all() or is_constant(everything):
             continue
         shares[label] = {
             group: _share(values, without, of_group) for group, of_group in others.items()
         }
     return shares
-
-
-def _still(values: Array) -> bool:
-    return bool(np.ptp(values) <= ROUNDING * np.abs(values).max())
 
 
 def _share(values: Array, without: Array, shared: Array) -> float:

@@ -11,10 +11,9 @@ from bayesfric.margins.terms import draws_behind, standard_error
 from bayesfric.plots.labels import numbers, plain
 from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, SHADES, figure, key
 from bayesfric.schemas.loop_runs import HuntingMap
-from bayesfric.schemas.margins import Bode, LoopMargins, Metric, NyquistFan
+from bayesfric.schemas.margins import QUANTILE_LEVELS, Bode, LoopMargins, Metric, NyquistFan
 
 ERRORS = ("steady_error_servo", "lost_motion", "reversal_error")
-QUANTILES = (0.01, *(step / 20 for step in range(1, 20)), 0.99)  # at which metrics have them
 RISEN = 0.99  # of a probability: beyond, a curve shows nothing new
 PAST = 1.15  # of the last thing to be seen, how far an axis reaches
 HEADROOMS = ("headroom_clip", "headroom_continuous")
@@ -87,7 +86,7 @@ def hunting_curve(loop: LoopMargins) -> tuple[Array, Array, Array]:
         if metric.name == "gamma_hunting":
             points += [
                 (value, p, standard_error(p, draws))
-                for value, p in zip(metric.quantiles, QUANTILES, strict=False)
+                for value, p in zip(metric.quantiles, QUANTILE_LEVELS, strict=False)
                 if value <= last
             ]
     gamma, p, error = np.array(sorted(points)).T

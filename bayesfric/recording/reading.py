@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from bayesfric.errors import Fault, InputError, near
+from bayesfric.files import file_bytes
 from bayesfric.recording.axis_notes import notes_on_axis
 from bayesfric.recording.cells import Table, check_cells
 from bayesfric.recording.columns import BUILT_IN, RIG_KEYS_NEEDED, TABLES
@@ -155,10 +156,7 @@ def _read_inside(folder: Path, name: str) -> bytes:
             if name == PACKAGE_FILE:
                 expected += f" ({WHAT_IT_IS})"
             raise InputError([Fault(name, expected, value=kind)])
-        if (size := file.stat().st_size) > LARGEST_FILE:
-            expected = f"a file of at most {LARGEST_FILE:,} bytes"
-            raise InputError([Fault(name, expected, value=f"{size:,} bytes")])
-        return file.read_bytes()
+        return file_bytes(file, name, LARGEST_FILE)
     except (OSError, RuntimeError) as error:  # RuntimeError: a loop of symbolic links
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError([Fault(name, "a file that can be read", value=reason)]) from None

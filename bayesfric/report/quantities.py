@@ -10,13 +10,13 @@ import re
 from decimal import Decimal
 
 from bayesfric.probabilities import stated
+from bayesfric.report.words import RAISED
 
 MISSING = "—"
 THIN = "\u202f"
 MOST_DIGITS = 6  # significant ones of a number whose error is smaller than what anyone needs
 CERTAIN = 6.0  # log10 of the odds beyond which their size says no more
 FAR_SHIFT = 10.0  # standard deviations, likewise
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _DECIMAL = re.compile(r"\d+\.\d+(e-?\d+)?")
 _UNITS = {"": "", "-": "", "–": "", "1": "", "deg": "°", "1/deg": "deg⁻¹", "1/s": "s⁻¹"}
 
@@ -28,11 +28,11 @@ def format_unit(unit: str | None, exponent: int = 0) -> str:
     """
     unit = unit or ""
     if exponent:
-        power = "10" + str(exponent).translate(_SUPERSCRIPTS)
+        power = "10" + str(exponent).translate(RAISED)
         return f"{power}{THIN}{format_unit(unit)}".rstrip(THIN)
     if unit in _UNITS:
         return _UNITS[unit]
-    unit = re.sub(r"\^(-?\d+)", lambda match: match[1].translate(_SUPERSCRIPTS), unit)
+    unit = re.sub(r"\^(-?\d+)", lambda match: match[1].translate(RAISED), unit)
     return unit.replace("*", "·")
 
 
@@ -79,7 +79,6 @@ def format_interval(
     q05: float | None,
     q95: float | None,
     unit: str | None = None,
-    exponent: int | None = None,
 ) -> str:
     """Write a mean with its 90 % interval, to two digits of the interval's width.
 
@@ -89,8 +88,6 @@ def format_interval(
         Mean, 5 % and 95 % quantile.
     unit : str, optional
         As stored.
-    exponent : int, optional
-        The power of ten to write all three with; by default as in `format_number`.
 
     Returns
     -------
@@ -104,7 +101,7 @@ def format_interval(
     """
     if mean is None or q05 is None or q95 is None:
         return MISSING
-    power = _power(max(abs(mean), abs(q05), abs(q95))) if exponent is None else exponent
+    power = _power(max(abs(mean), abs(q05), abs(q95)))
     middle, low, high = interval_cells(mean, q05, q95, exponent=power)
     return f"{middle} [{low}, {high}]{_times(power)}{_spaced(unit)}"
 
@@ -252,7 +249,7 @@ def _fixed(value: float, power: int, decimals: int) -> str:
 
 
 def _times(power: int) -> str:
-    return f" × 10{str(power).translate(_SUPERSCRIPTS)}" if power else ""
+    return f" × 10{str(power).translate(RAISED)}" if power else ""
 
 
 def _spaced(unit: str | None) -> str:

@@ -6,8 +6,7 @@ from bayesfric.plots.rig_tables import RigTable
 from bayesfric.report.quantities import format_count
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import Words
-
-DEFAULT = "paper"  # the law where none is asked for
+from bayesfric.rigs.opening import DEFAULT
 
 
 def rig_words(name: str) -> Words:

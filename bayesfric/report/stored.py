@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import xarray as xr
 
@@ -17,7 +18,10 @@ from bayesfric.schemas import (
     MarginsFile,
     ScorecardFile,
 )
-from bayesfric.schemas.base import Provenance
+from bayesfric.schemas.base import Provenance, Record
+
+Result = TypeVar("Result", bound=Provenance)
+Other = TypeVar("Other", bound=Record)
 
 
 @dataclass(frozen=True)
@@ -38,39 +42,27 @@ class StoredFit:
 
 
 @dataclass(frozen=True)
-class StoredClaims:
-    """What ``bayesfric claims`` left in a folder.
+class Stored(Generic[Result]):
+    """A JSON file that a verb left in a folder, and the arrays beside it.
 
     Parameters
     ----------
-    record : ClaimsFile
-        ``claims.json``.
+    record : ClaimsFile or DiagnosisFile
+        ``claims.json`` or ``diagnosis.json``.
     curves : DataTree
-        ``claims.nc``.
+        ``claims.nc`` or ``diagnosis.nc``.
     """
 
-    record: ClaimsFile
-    curves: xr.DataTree
-
-
-@dataclass(frozen=True)
-class StoredDiagnosis:
-    """What ``bayesfric diagnose`` left in a folder.
-
-    Parameters
-    ----------
-    record : DiagnosisFile
-        ``diagnosis.json``.
-    curves : DataTree
-        ``diagnosis.nc``.
-    """
-
-    record: DiagnosisFile
+    record: Result
     curves: xr.DataTree
 
     def group(self, name: str) -> xr.Dataset | None:
         """Return a group of the curves, None where there is none."""
         return self.curves[name].to_dataset() if name in self.curves.children else None
+
+
+StoredClaims = Stored[ClaimsFile]
+StoredDiagnosis = Stored[DiagnosisFile]
 
 
 @dataclass(frozen=True)
@@ -144,19 +136,20 @@ def read_stored(folder: Path) -> StoredResults:
     """
 
     def there(name: str) -> bool:
-        return (folder / name).is_file()
+        return (folder / f"{name}.json").is_file()
 
-    fit = _fit(folder) if there("fit.json") else None
+    def read(model: type[Other], name: str) -> Other | None:
+        return read_json(model, folder / f"{name}.json") if there(name) else None
+
+    fit = _fit(folder) if there("fit") else None
     stored = StoredResults(
         fit if isinstance(fit, StoredFit) else None,
         fit if isinstance(fit, FitFile) else None,
-        _claims(folder) if there("claims.json") else None,
-        _diagnosis(folder) if there("diagnosis.json") else None,
-        read_json(ScorecardFile, folder / "scorecard.json") if there("scorecard.json") else None,
-        read_json(MarginsFile, folder / "margins.json") if there("margins.json") else None,
-        read_json(CalibrationFile, folder / "calibration.json")
-        if there("calibration.json")
-        else None,
+        _stored(ClaimsFile, "claims", folder, "claims") if there("claims") else None,
+        _stored(DiagnosisFile, "diagnosis", folder, "diagnose") if there("diagnosis") else None,
+        read(ScorecardFile, "scorecard"),
+        read(MarginsFile, "margins"),
+        read(CalibrationFile, "calibration"),
     )
     records = stored.records
     if not records and stored.scorecard is None and stored.calibration is None:
@@ -198,16 +191,10 @@ def _fit(folder: Path) -> StoredFit | FitFile:
     return StoredFit(fit, draws, predictive)
 
 
-def _diagnosis(folder: Path) -> StoredDiagnosis:
-    _beside("diagnosis", folder, "diagnose", "diagnosis.nc")
-    record = read_json(DiagnosisFile, folder / "diagnosis.json")
-    return StoredDiagnosis(record, read_beside(record, folder / "diagnosis.nc"))
-
-
-def _claims(folder: Path) -> StoredClaims:
-    _beside("claims", folder, "claims", "claims.nc")
-    record = read_json(ClaimsFile, folder / "claims.json")
-    return StoredClaims(record, read_beside(record, folder / "claims.nc"))
+def _stored(model: type[Result], name: str, folder: Path, verb: str) -> Stored[Result]:
+    _beside(name, folder, verb, f"{name}.nc")
+    record = read_json(model, folder / f"{name}.json")
+    return Stored(record, read_beside(record, folder / f"{name}.nc"))
 
 
 def _beside(name: str, folder: Path, verb: str, *others: str) -> None:

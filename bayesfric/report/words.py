@@ -80,7 +80,7 @@ _GAIN = re.compile(r"γ = (?=\d)")  # a symbol and its value stay on one line
 _POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-])0*(\d+)(?![\w.]*\w)")
 _COEFFICIENT = re.compile(r"(?<![\w./-])c([123])(?:\[(\w+)\])?(?![\w\[])")
 _LOWERED = str.maketrans("123", "₁₂₃")
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def _set(inline: Inline) -> Inline:
@@ -95,7 +95,7 @@ def _typeset(words: str) -> str:
     words = _BOUND.sub("\\1\u00a0", words)
     words = _GAIN.sub("γ\u00a0=\u00a0", words)
     words = _POWER.sub(
-        lambda match: f"{match[1]} × 10{(match[2].strip('+') + match[3]).translate(_RAISED)}",
+        lambda match: f"{match[1]} × 10{(match[2].strip('+') + match[3]).translate(RAISED)}",
         words,
     )
     words = _COEFFICIENT.sub(_coefficient, words)

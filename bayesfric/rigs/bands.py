@@ -3,8 +3,7 @@
 import numpy as np
 
 from bayesfric.arrays import Array
-
-QUANTILES = (0.05, 0.5, 0.95)
+from bayesfric.schemas.base import QUANTILES
 
 
 def bands(values: Array) -> Array:

@@ -9,9 +9,10 @@ import pandas as pd
 import xarray as xr
 
 from bayesfric.arrays import Array, Whole
-from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.bands import bands
 from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.remaking import Remade
+from bayesfric.schemas.base import QUANTILES
 
 FALSE_ALARM = 0.05  # probability of an outlier in a recording that obeys the model
 

@@ -12,7 +12,7 @@ from bayesfric.docstrings import Documented
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Why = Annotated[str | None, Field(description="Why there is none.")]
 """Value of a key ``x_why``: the reason if ``x`` is null or empty, else null."""
-LEVELS = (0.05, 0.5, 0.95)
+QUANTILES = (0.05, 0.5, 0.95)
 NORMAL_REACH = 1.6448536269514722
 """95 % quantile of the standard normal."""
 
@@ -76,7 +76,7 @@ class Interval(Record):
     @classmethod
     def of_draws(cls, draws: Array, *, ddof: int = 0) -> "Interval":
         """Return the interval of draws of any shape; `ddof` is as in ``numpy.std``."""
-        return cls.of(draws.mean(), draws.std(ddof=ddof), np.quantile(draws, LEVELS))
+        return cls.of(draws.mean(), draws.std(ddof=ddof), np.quantile(draws, QUANTILES))
 
     @classmethod
     def of_normal(cls, mean: float, sd: float) -> "Interval":

@@ -10,6 +10,10 @@ from bayesfric.schemas.loop_runs import Following, HuntingMap, Verification
 NO_WAY = Because("only an open run is driven or overhauled")
 
 
+QUANTILE_LEVELS = (0.01, *(round(0.05 * step, 2) for step in range(1, 20)), 0.99)
+"""Probabilities at which a metric's quantiles are stored."""
+
+
 class Metric(Record):
     """One metric of a loop, over draws of new assemblies.
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from export.entered import number
 from export.hinge import Hinge, drawn_hinge, recording
+from report.diagnosis_sample import diagnosis
 from typer.testing import CliRunner
 
 import bayesfric as bf
@@ -91,8 +92,7 @@ def test_numbers_that_are_not_to_be_relied_on_say_so_wherever_they_go(tmp_path, 
     for to in ("json", "python", "isaaclab"):
         assert warned.warning in TEXTS_OF_JOINTS[to][1]([warned], "log")
     assert warned.warning in warned.said
-    monkeypatch.setattr("bayesfric.export.joints.read_joints", lambda folder: (warned,))
-    (tmp_path / "out").mkdir()
+    stand_in(monkeypatch, tmp_path / "out", warned)
     (tmp_path / "one.xml").write_text(OWN.model())
     command = ["export", str(tmp_path / "out"), "--to", "mjcf", "--into", str(tmp_path / "one.xml")]
     assert warned.warning in CliRunner().invoke(app, command).output
@@ -223,15 +223,16 @@ def test_the_truth_of_twenty_hinges_lies_in_their_intervals(tmp_path):
     assert sum(inside) > 48
 
 
-def two_joints(monkeypatch, folder):
-    """Stand in for a folder with a diagnosis of two joints."""
+def stand_in(monkeypatch, folder, *joints):
+    """Stand in for a folder with a diagnosis of joints."""
     from bayesfric.cli import export as verb
     from bayesfric.export import joints as read
 
     folder.mkdir()
-    both = (joint(COULOMB, name="shoulder"), joint(COULOMB, name="elbow"))
-    monkeypatch.setattr(read, "read_joints", lambda _: both)
-    monkeypatch.setattr(verb, "_of_joints", lambda *_: True)
+    block = diagnosis()
+    several = block.model_copy(update={"joints": (block,) * len(joints)})
+    monkeypatch.setattr(read, "read_diagnosis", lambda _: several)
+    monkeypatch.setattr(verb, "_joints", lambda *_: joints)
 
 
 @pytest.mark.parametrize(
@@ -245,7 +246,8 @@ def two_joints(monkeypatch, folder):
     ],
 )
 def test_a_slip_of_the_command_line_is_one_line(tmp_path, monkeypatch, arguments, said):
-    two_joints(monkeypatch, tmp_path / "out")
+    both = (joint(COULOMB, name="shoulder"), joint(COULOMB, name="elbow"))
+    stand_in(monkeypatch, tmp_path / "out", *both)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "arm.xml").write_text(OWN.model())
     done = CliRunner().invoke(app, ["export", "out", *arguments])

@@ -126,12 +126,12 @@ def test_amplitude_that_friction_stabilises():
     assert critical == pytest.approx([1.42, 2.84, 5.68], rel=0.01)
     ratios = np.array([0.9, 0.98, 1.02, 1.1])
     loop = SampledLoop(
-        inertia,
-        viscous,
-        np.repeat(friction, 4),
-        kp,
-        0.0,
-        1e-3,
+        inertia=inertia,
+        viscous=viscous,
+        friction=np.repeat(friction, 4),
+        kp=kp,
+        kd=0.0,
+        sample_time=1e-3,
         delay=1e-3,
         counts_per_revolution=4000,
     )

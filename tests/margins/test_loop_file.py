@@ -7,9 +7,9 @@ import pytest
 from margins.loops import changed, loop
 from pydantic import BaseModel
 
+from bayesfric.analysis import settings_sha256
 from bayesfric.errors import InputError
 from bayesfric.margins import loop_file
-from bayesfric.margins.loop_file import loop_sha256
 from bayesfric.margins.loop_reading import read_loop
 from bayesfric.resources import data_folder
 
@@ -117,7 +117,7 @@ def test_what_is_written_is_read(tmp_path):
     uncertain = {"family": "uniform", "low": 1.0, "high": 2.0}
     path.write_text(as_toml(changed({"joint.inertia_kg_m2": uncertain})), encoding="utf-8")
     assert read_loop(path) == loop({"joint.inertia_kg_m2": uncertain})
-    assert loop_sha256(read_loop(path)) != loop_sha256(loop())
+    assert settings_sha256(read_loop(path)) != settings_sha256(loop())
 
 
 def test_a_folder_of_results_does_not_hide_the_bundled_loop_of_its_name(tmp_path, monkeypatch):

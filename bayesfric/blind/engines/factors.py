@@ -53,6 +53,11 @@ def share(factor: Factor) -> Any:
     return law
 
 
+def moving_share(factor: Factor) -> Any:
+    """Return a law: such a share while the board runs; none in a steady run."""
+    return share(lambda p, s: 0.0 if s.steady else factor(p, s))
+
+
 def scaled(factor: Factor) -> Any:
     """Return a law: a factor of a pulley's friction at 15 N and 85°, whatever the tension."""
 

@@ -11,31 +11,29 @@ import numpy as np
 from numpy.random import Generator
 
 from bayesfric.blind.engines.factors import Parameters, uniform
-from bayesfric.blind.engines.state import Array, Form, Kind, Passage
+from bayesfric.blind.engines.state import Array, BoardState, Form, Kind, Law, Passage
 
 MAGNETS = 5
+Factor = Callable[[Parameters, Any], Array]
+
+
+def _proportional(factor: Factor) -> Law:
+    """Return a law: the amplitude times a factor."""
+    return lambda p, at, t: p["amplitude"] * factor(p, at)
+
+
+def _weight(s: BoardState, sign: float) -> Array:
+    """Return what a unit of mass pulls with at an end that accelerates up or down [N/kg]."""
+    return np.asarray((s.gravity_m_s2 + sign * s.acceleration_m_s2) * (not s.steady))
+
 
 MASS_ERROR = Kind(
     "mass-error",
     "excess",
     "kg",
     (
-        Form(
-            "drive-side",
-            True,
-            lambda p, s, t: (
-                -p["amplitude"] * (s.gravity_m_s2 - s.acceleration_m_s2) * (not s.steady)
-            ),
-            "drive",
-        ),
-        Form(
-            "load-side",
-            True,
-            lambda p, s, t: (
-                p["amplitude"] * (s.gravity_m_s2 + s.acceleration_m_s2) * (not s.steady)
-            ),
-            "load",
-        ),
+        Form("drive-side", True, _proportional(lambda p, s: -_weight(s, -1.0)), "drive"),
+        Form("load-side", True, _proportional(lambda p, s: _weight(s, 1.0)), "load"),
     ),
     ("n_pulleys",),
     signed=True,
@@ -43,13 +41,17 @@ MASS_ERROR = Kind(
 )
 
 
-def _ringing(p: Parameters, at: Passage, stretch: Array | float) -> Array:
+def _rings(p: Parameters, at: Passage, stretch: Array | float) -> Array:
     # The masses part and meet around their common motion, each by the other's share.
     both = at.drive_kg + at.load_kg
     rate = np.sqrt(p["stiffness"] * (1 / at.drive_kg + 1 / at.load_kg))
     damping = p.get("damping", 0.05)
     wave = stretch * np.cos(rate * at.time_s) * np.exp(-damping * rate * at.time_s)
     return np.asarray(wave * (at.drive_kg if at.at_load else -at.load_kg) / both)
+
+
+def _ringing(p: Parameters, at: Passage, tension: Array) -> Array:
+    return _rings(p, at, p["amplitude"])
 
 
 _STIFFNESS = uniform(stiffness=(7000, 12000))
@@ -59,17 +61,11 @@ CABLE_COMPLIANCE = Kind(
     "stretch",
     "m",
     (
-        Form(
-            "ringing",
-            True,
-            lambda p, at, t: _ringing(p, at, p["amplitude"]),
-            "reading",
-            draw=_STIFFNESS,
-        ),
+        Form("ringing", True, _ringing, "reading", _STIFFNESS),
         Form(
             "other-damping",
             False,
-            lambda p, at, t: _ringing(p, at, p["amplitude"]),
+            _ringing,
             "reading",
             draw=lambda rng, n: {
                 **_STIFFNESS(rng, n),
@@ -79,7 +75,7 @@ CABLE_COMPLIANCE = Kind(
         Form(  # the stretch that friction held before the release
             "held-by-friction",
             False,
-            lambda p, at, t: _ringing(p, at, p["amplitude"] * at.friction_n),
+            lambda p, at, t: _rings(p, at, p["amplitude"] * at.friction_n),
             "reading",
             draw=_STIFFNESS,
         ),
@@ -140,7 +136,7 @@ LENGTH_SCALE = Kind(
     "length-scale",
     "excess",
     "1",
-    (Form("proportional", True, lambda p, at, t: p["amplitude"] * at.displacement_m, "reading"),),
+    (Form("proportional", True, _proportional(lambda p, at: at.displacement_m), "reading"),),
     ("acceleration",),
     signed=True,
     boards=("gravity",),
@@ -154,13 +150,13 @@ CLOCK_SCALE = Kind(
         Form(
             "proportional",
             True,
-            lambda p, at, t: p["amplitude"] * np.ones_like(at.displacement_m),
+            _proportional(lambda p, at: np.ones_like(at.displacement_m)),
             "clock",
         ),
         Form(  # the oscillator warms up over the recording
             "warming",
             False,
-            lambda p, at, t: p["amplitude"] * (0.7 + 0.6 * at.order) * np.ones_like(at.event),
+            _proportional(lambda p, at: (0.7 + 0.6 * at.order) * np.ones_like(at.event)),
             "clock",
         ),
     ),
@@ -177,7 +173,7 @@ SLIP = Kind(
         Form(
             "proportional",
             True,
-            lambda p, at, t: p["amplitude"] * at.displacement_m * at.at_load,
+            _proportional(lambda p, at: at.displacement_m * at.at_load),
             "reading",
         ),
         Form(  # elastic creep, with the step of tension over the pulleys

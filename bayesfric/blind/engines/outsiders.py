@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from bayesfric.blind.engines.factors import Draw, Parameters, scaled, share, uniform
+from bayesfric.blind.engines.factors import Draw, Parameters, moving_share, scaled, share, uniform
 from bayesfric.blind.engines.law import TABLE_I
 from bayesfric.blind.engines.state import Array, BoardState, Form, Kind, Law, no_parameters
 
@@ -58,7 +58,7 @@ OUTSIDERS = (
     _kind(  # a worn place of the cable
         "dip-in-travel",
         ("displacement",),
-        share(lambda p, s: 0.0 if s.steady else -_bump(s.travel_m, p["place"], p["width"])),
+        moving_share(lambda p, s: -_bump(s.travel_m, p["place"], p["width"])),
         uniform(place=(0.2, 0.45), width=(0.03, 0.07)),
         signed=False,
         boards=("gravity",),
@@ -107,11 +107,7 @@ OUTSIDERS = (
     _kind(  # a wave on the cable itself, not of any pulley
         "wave-in-travel",
         ("displacement",),
-        share(
-            lambda p, s: (
-                0.0 if s.steady else np.cos(2 * np.pi * s.travel_m / p["length"] + p["phase"])
-            )
-        ),
+        moving_share(lambda p, s: np.cos(2 * np.pi * s.travel_m / p["length"] + p["phase"])),
         uniform(length=(0.2, 0.35), phase=(0, 2 * np.pi)),
         signed=False,
         boards=("gravity",),
@@ -138,18 +134,14 @@ OUTSIDERS = (
     _kind(  # grease that is pushed ahead, in one size
         "one-size-along-travel",
         ("displacement", "pulley_size"),
-        share(
-            lambda p, s: (
-                0.0 if s.steady else np.where(s.size == p["size"], s.travel_m / 0.3 - 1, 0.0)
-            )
-        ),
+        moving_share(lambda p, s: np.where(s.size == p["size"], s.travel_m / 0.3 - 1, 0.0)),
         lambda rng, trials: {"size": int(_either(rng, 0, 1, 2))},
         boards=("gravity",),
     ),
     _kind(  # friction that waits for the travel to have settled, at one spot and speed
         "speed-late-in-travel",
         ("velocity", "displacement"),
-        share(lambda p, s: 0.0 if s.steady else s.speed_m_s * _step(s.travel_m, p["place"], 0.02)),
+        moving_share(lambda p, s: s.speed_m_s * _step(s.travel_m, p["place"], 0.02)),
         uniform(place=(0.25, 0.4)),
         boards=("gravity",),
     ),

@@ -13,6 +13,7 @@ from numpy.random import Generator
 from bayesfric.blind.engines.factors import (
     Parameters,
     alike,
+    moving_share,
     scaled,
     share,
     uniform,
@@ -178,17 +179,15 @@ RUNOUT = Kind(
         Form(
             "once",
             True,
-            share(lambda p, s: 0.0 if s.steady else np.sqrt(2) * _turning(p, s)),
+            moving_share(lambda p, s: np.sqrt(2) * _turning(p, s)),
             draw=lambda rng, n: _phases(rng, n, "phase"),
         ),
         Form(
             "second-harmonic",
             False,
-            share(
+            moving_share(
                 lambda p, s: (
-                    0.0
-                    if s.steady
-                    else np.sqrt(2)
+                    np.sqrt(2)
                     * (_turning(p, s) + p["second"] * _turning(p, s, 2.0, "second_phase"))
                 )
             ),
@@ -200,11 +199,9 @@ RUNOUT = Kind(
         Form(  # pulleys whose radii differ by a little come out of step
             "out-of-step",
             False,
-            share(
+            moving_share(
                 lambda p, s: (
-                    0.0
-                    if s.steady
-                    else _turning(p, s, 1 + p["radius_error"])
+                    _turning(p, s, 1 + p["radius_error"])
                     + _turning(p, s, 1 - p["radius_error"], "second_phase")
                 )
             ),

@@ -18,13 +18,13 @@ from bayesfric.fitting.predictive.parameters import coefficients, densities, ran
 from bayesfric.fitting.predictive.prior import PRIOR_DRAWS, friction_of_prior
 from bayesfric.inference.model import Model
 from bayesfric.physics.laws import FrictionLaw
-from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.bands import bands
 from bayesfric.rigs.base import Predictive, Rig, RigTrials
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.remaking import remake
 from bayesfric.stored_names import tree_of
 
-__all__ = ["QUANTILES", "covered", "predict"]
+__all__ = ["covered", "predict"]
 
 DRAWS = 1000  # enough for a 5 % quantile to a twentieth of an sd
 

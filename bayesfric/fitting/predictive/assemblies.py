@@ -16,7 +16,7 @@ from scipy.special import ndtr, ndtri
 
 from bayesfric.arrays import Array
 from bayesfric.fitting.predictive.left_out import FromUniform, LeftOut, scores, uniformity
-from bayesfric.rigs.bands import QUANTILES
+from bayesfric.schemas.base import QUANTILES
 
 FAR_SD = 3.0  # standard deviations; assemblies farther away are named
 FEWEST = 5  # least number of assemblies for a check of their distribution

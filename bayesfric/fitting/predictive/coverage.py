@@ -7,8 +7,9 @@ import pandas as pd
 import xarray as xr
 
 from bayesfric.arrays import Array, Flags
-from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.bands import bands
 from bayesfric.rigs.remaking import Remade
+from bayesfric.schemas.base import QUANTILES
 
 LEVELS = (0.5, 0.9)
 CELL = ("pulley_size", "n_pulleys", "wrap_angle_deg")

@@ -279,7 +279,7 @@ def loo_pit(cdf: Array, without: Without) -> Array:
         np.exp(column) @ of_group for column, of_group in zip(log_weights.T, cdf.T, strict=True)
     ]
     # Rounding may put the sum of the weights above 1.
-    return np.clip(np.array(below), 0.0, 1.0)
+    return np.asarray(np.clip(below, 0.0, 1.0))
 
 
 def _check(log_likelihood: Array) -> None:

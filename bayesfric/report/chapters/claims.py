@@ -1,7 +1,6 @@
 """The paper's claims: refuted and open ones on page one, and a chapter with their evidence."""
 
 from collections.abc import Iterator, Sequence
-from typing import Literal, TypeAlias
 
 from bayesfric.plots.claims import against_rivals, over_prior_width, smallest_found
 from bayesfric.plots.labels import ordered_sizes
@@ -24,12 +23,12 @@ from bayesfric.report.content import (
     from_file,
     prose,
 )
+from bayesfric.report.diagnosed import Kind
 from bayesfric.report.quantities import error_cells, factor_cells, format_factor, format_fixed
 from bayesfric.report.stored import StoredClaims
 from bayesfric.schemas import ClaimsFile
 from bayesfric.schemas.claims import ClaimResult
 
-Kind: TypeAlias = Literal["attention", "good", "info"]
 SIGNS = {"supported": "+", "refuted": "−", "undecided": "?", "not-testable": "–"}
 FAMILIES = {
     "Speed": ("no-viscous-motor", "no-viscous-gravity", "no-stribeck"),

@@ -12,6 +12,7 @@ from bayesfric.plots.diagnosis import RARE, axis_charts, what_acts, where_it_lie
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.labels import axis_words, sizes_of
 from bayesfric.plots.style import svg_of
+from bayesfric.probabilities import ALL_BUT, WIDE
 from bayesfric.report.chapters.conditions import asked, condition_words, next_experiment
 from bayesfric.report.chapters.diagnosis_details import (
     causes,
@@ -49,8 +50,6 @@ from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.gap import Axis, Gap
 
-ALL_BUT = 0.999  # a share is never printed as all of it
-WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
 CHANCE = 0.05  # adjusted p above which an axis may explain by chance
 
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 
+from bayesfric.probabilities import ALL_BUT, PAST_ALL
 from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.content import Paragraph, Table, prose
 from bayesfric.report.quantities import MISSING, error_cells, interval_cells
@@ -13,7 +14,6 @@ from bayesfric.schemas.base import Interval
 from bayesfric.schemas.gap import Gap, GapRow
 
 NUMBER = re.compile(r"\d+\.\d+")
-ALL_BUT, PAST_ALL = 0.999, 1.0005  # of a share, between which it is printed as a bound
 
 
 def gap_words() -> Paragraph:

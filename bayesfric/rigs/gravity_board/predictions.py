@@ -10,12 +10,13 @@ from bayesfric.physics.gravity import Condition, Trajectory, nominal_tension
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.bands import bands
 from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
 from bayesfric.rigs.gravity_board.trial_motion import PilotFit, pilot_fits
 from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.truth import table1_coefficients
+from bayesfric.schemas.base import QUANTILES
 
 SHOWN_TRIALS = 6  # largest number of trajectories
 CURVE_POINTS = 41

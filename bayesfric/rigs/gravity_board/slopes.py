@@ -17,7 +17,7 @@ from bayesfric.paper import table1
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import FrictionLaw
-from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.bands import bands
 from bayesfric.rigs.gravity_board.estimator import (
     LEAST_TENSION_RATIO,
     CellLine,
@@ -26,6 +26,7 @@ from bayesfric.rigs.gravity_board.estimator import (
     is_upright,
 )
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
+from bayesfric.schemas.base import QUANTILES
 
 GRID = 13
 LEVELS = 3  # number of tensions at which friction is shown against the wrap angle

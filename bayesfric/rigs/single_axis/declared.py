@@ -5,13 +5,12 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from bayesfric.arrays import Array
+from bayesfric.recording.held import SENSED
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import LawNumber
 
-MEASURED = frozenset({"motor", "link", "measured"})
-"""Kinds of logged force that are measured, not commanded."""
 OF_MASS = 0.05  # relative error of a mass, or an inertia, that was weighed or computed
 OF_GAIN = {"link": 0.02, "measured": 0.02}  # relative error of a force sensor's scale
 OF_CONSTANT = 0.1  # relative error of a torque constant, which converts currents to forces
@@ -107,7 +106,7 @@ def beyond_limit(constants: RigConstants, drive: Array, unit: str) -> Iterator[s
     unit : str
         Unit of the forces.
     """
-    limit, measured = constants.force_limit_n, constants.force_is in MEASURED
+    limit, measured = constants.force_limit_n, constants.force_is in SENSED
     if limit is None:
         return
     highest = (1 + LITTLE_BEYOND) * limit if measured else limit

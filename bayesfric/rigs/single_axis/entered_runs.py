@@ -13,12 +13,13 @@ from bayesfric.effects import NO_OFFSET, State
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, COULOMB_VISCOUS, FrictionLaw
+from bayesfric.recording.held import SENSED
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.base import Rig, RigTrials, Unsupported
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
-from bayesfric.rigs.single_axis.declared import MEASURED, contradicts
+from bayesfric.rigs.single_axis.declared import contradicts
 from bayesfric.rigs.single_axis.dither import Dither
 from bayesfric.rigs.single_axis.entering import SHOWS_PLACE
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
@@ -168,7 +169,7 @@ class EnteredRuns(RigTrials):
         # A drive that could not overcome friction would move nothing.
         if self.measures.limit.there and self.measures.limit.force > self._rough.coulomb:
             offered.add("limit")
-        if self.constants.force_is not in MEASURED:
+        if self.constants.force_is not in SENSED:
             offered.add("commanded-force")
         loads = self._carried
         if loads is not None and shows_both_ways(self.readings, len(loads.loads)):

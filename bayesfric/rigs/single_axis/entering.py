@@ -9,11 +9,11 @@ import pandas as pd
 
 from bayesfric.arrays import Flags, Whole
 from bayesfric.errors import Fault, InputError
+from bayesfric.recording.held import SENSED
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.carried import carried_by
-from bayesfric.rigs.single_axis.declared import MEASURED
 from bayesfric.rigs.single_axis.dither import Dither, steady
 from bayesfric.rigs.single_axis.enough import (
     refused_for_few_windows,
@@ -219,7 +219,7 @@ def _faults_of_force(
 
     Spikes are counted only in measured forces. Clipping is not counted in commands.
     """
-    peaks = max(spikes(log.force) for log in logs) if constants.force_is in MEASURED else 0.0
+    peaks = max(spikes(log.force) for log in logs) if constants.force_is in SENSED else 0.0
     if constants.force_is == "commanded" or servo is not None:
         return peaks, 0.0
     return peaks, max(float(clipped(log.force).mean()) for log in logs)
@@ -284,7 +284,7 @@ def _within_limit(
 
     The windows are None if there is none. Dither is searched for only if `calm` is true.
     """
-    resolution, clips = constants.encoder_resolution, constants.force_is not in MEASURED
+    resolution, clips = constants.encoder_resolution, constants.force_is not in SENSED
     declared = constants.force_limit_n
     limited = within_limit(logs, starts, resolution, clips=clips, declared=declared)
     if limited is None or not calm:

@@ -186,7 +186,7 @@ def servo_of(axis: Axis, constants: RigConstants) -> Servo | None:
     assert pilot is not None
     period, error_s = pilot.samples_a_period, float(pilot.errors[DELAY])
     settled = replace(constants, latency_s=late_s)
-    for stiffness in _stiffnesses(axis, constants, pilot, period):
+    for stiffness in _stiffnesses(constants, pilot, period):
         if stiffness.value > SURE * stiffness.error:
             share = stiffness.error / stiffness.value
             share = share if stiffness.open_by is None else stiffness.open_by
@@ -369,9 +369,7 @@ def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> tuple
     return numbers / width, np.sqrt(np.diag(covariance)) / width
 
 
-def _stiffnesses(
-    axis: Axis, constants: RigConstants, pilot: _Pilot, period: float
-) -> Iterator[_Stiffness]:
+def _stiffnesses(constants: RigConstants, pilot: _Pilot, period: float) -> Iterator[_Stiffness]:
     """Yield estimates of the stiffness, the best source first."""
     gain = constants.command_gain
     if gain is not None:
