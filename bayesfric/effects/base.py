@@ -187,6 +187,12 @@ def _of_load(held: str, length: str, heavy: float, p: Mapping[str, Array], state
     return np.asarray(p["share"] * (mass * late + state.friction_n * lost))
 
 
+def exponentially(p: Mapping[str, Array], state: State) -> Array:
+    """Return the friction that is missing until it settles, exponentially with travel [N]."""
+    unsettled = np.exp(-np.asarray(state.travel_m) / p["length"])
+    return -p["share"] * state.settling_friction_n * unsettled
+
+
 def after_passes(p: Mapping[str, Array], state: State) -> Array:
     """Return Dahl's law, dz/dx = (1 − z)/L along the motion, over passes of any travel.
 

@@ -11,8 +11,7 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State, after_passes
-from bayesfric.effects.presliding import exponential
+from bayesfric.effects.base import Effect, EffectParameter, State, after_passes, exponentially
 
 
 def _bouc_wen(p: Mapping[str, Array], state: State) -> Array:
@@ -43,7 +42,7 @@ EFFECT = Effect(
         "of the board",
         typical=0.04,
     ),
-    laws={"dahl": exponential, "bouc-wen": _bouc_wen},
+    laws={"dahl": exponentially, "bouc-wen": _bouc_wen},
     turning={"after-passes": after_passes},
     edge={"travel_m": 0.0},
     along_path=True,

@@ -6,13 +6,7 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State, after_passes
-
-
-def exponential(p: Mapping[str, Array], state: State) -> Array:
-    """Return the friction that is missing, which falls exponentially with travel [N]."""
-    unsettled = np.exp(-np.asarray(state.travel_m) / p["length"])
-    return -p["share"] * state.settling_friction_n * unsettled
+from bayesfric.effects.base import Effect, EffectParameter, State, after_passes, exponentially
 
 
 def _rational(p: Mapping[str, Array], state: State) -> Array:
@@ -43,7 +37,7 @@ EFFECT = Effect(
         "a turn of the large pulley, over which its balls and grease come to their paths",
         typical=0.02,
     ),
-    laws={"exponential": exponential, "rational": _rational},
+    laws={"exponential": exponentially, "rational": _rational},
     turning={"after-passes": after_passes},
     edge={"travel_m": 0.0},
     along_path=True,
