@@ -140,12 +140,12 @@ def test_two_causes_are_two_lines(tmp_path: Path) -> None:
 )
 def test_a_long_cell_is_read_in_no_time(tmp_path: Path, cell: str) -> None:
     """A pattern that may split digits in many ways took 20 s for the first of them."""
-    start = time.perf_counter()
+    start = time.process_time()
     is_decimal(cell)
     cause_of(cell)
     faults = faults_after(tmp_path, SAMPLES, lambda t: t.replace("1.2,", f'"{cell}",', 1))
     assert len(faults) == 1
-    assert time.perf_counter() - start < 2.0
+    assert time.process_time() - start < 2.0
 
 
 def test_numbers_apart_obey_the_rule_of_all_numbers() -> None:
