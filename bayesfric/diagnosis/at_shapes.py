@@ -12,7 +12,8 @@ from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.left_open import sized_places
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.shapes import WIDEST, refined_grid
+from bayesfric.diagnosis.shape_grid import refined_grid
+from bayesfric.diagnosis.shapes import WIDEST
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects.candidates import is_positive
 from bayesfric.inference.information import Information

@@ -10,7 +10,8 @@ from bayesfric.diagnosis.discrepancy import Wide, relative_rms
 from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
-from bayesfric.diagnosis.shapes import WIDEST, Quadratic, refined_grid
+from bayesfric.diagnosis.shape_grid import refined_grid
+from bayesfric.diagnosis.shapes import WIDEST, Quadratic
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.inference.priors import from_normal
 

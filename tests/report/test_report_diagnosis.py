@@ -127,8 +127,7 @@ def test_a_power_of_the_number_of_pulleys_is_a_factor_of_the_printed_law():
 
 def test_an_open_verdict_names_no_cause_at_a_glance():
     open_still = stored_diagnosis().record.model_copy(update={"verdict": "undecided"})
-    stored = StoredDiagnosis(open_still, curves())
-    said = glance(stored)["Which effect causes it?"]
+    said = glance(StoredDiagnosis(open_still, curves()))["Which effect causes it?"]
     assert said.startswith("undecided, since the gap may be negligible: viscous (probability")
 
 
