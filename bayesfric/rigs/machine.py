@@ -83,4 +83,4 @@ class MachineTrials:
             Reference law of each pulley size; amplitudes may be relative to its friction.
         """
         del acting, laws
-        return "no controller moves it along a path"
+        return "no controller moves it along a path, so that no instrument is needed"

@@ -94,7 +94,7 @@ def open_rigs(
         trials = all_rigs()[name].trials(recording, exclude=exclude)
         entering = None if trials is None or trials.table.empty else calibrating(trials)
         if trials is None or trials.table.empty:
-            none = Fault(recording.name, "a trial that enters the fit; all are left out")
+            none = Fault(recording.name, "a trial that can be used; all are left out")
             raise InputError([none, *all_rigs()[name].left_out(recording)])
         if entering is None:
             expected = f"a {trials.rig.words.trial} that fits the law; all have the role test"

@@ -127,7 +127,7 @@ def test_a_recording_of_one_stroke_is_refused(tmp_path):
     )
     runs = pd.DataFrame({"run": ["a"], "order": [1]})
     written = write(tmp_path / "stroke", Machine(), runs, samples, rotary=True)
-    with pytest.raises(InputError, match=r"7 windows .* and it takes 8"):
+    with pytest.raises(InputError, match=r"7 windows .* and 8 are needed"):
         bf.diagnose(bf.read_recording(written))
 
 

@@ -63,7 +63,7 @@ CASES = {
 def test_a_run_that_does_not_enter_is_told_why(tmp_path, case, verb):
     recording, said = CASES[case]
     text = told(recording, tmp_path, verb)
-    assert "axis_samples.csv: expected a run that enters" in text
+    assert "axis_samples.csv: expected a run that can be used" in text
     assert said in text
 
 
@@ -76,14 +76,14 @@ def test_many_runs_are_told_in_few_lines():
     faults = left_out(replace(whole, axis=Axis(runs, samples)))
     assert len(faults) == 20
     assert faults[-1].like == 30
-    assert "run r0: found '10 samples', expected 16 samples at least" in str(faults[0])
+    assert "run r0: found '10 samples', expected at least 16 samples in a run" in str(faults[0])
 
 
 @pytest.mark.parametrize(
     ("logged", "told_of"),
     [
         (["r1"], "a, run r0: expected 16 samples at least of joint b too"),
-        ([], "a: expected a run that enters: no run has 16 samples of every joint: r0 lacks"),
+        ([], "a: expected a run that can be used: no run has 16 samples of every joint: r0 lacks"),
     ],
 )
 def test_a_run_without_another_joint_is_told_with_that_joint(logged, told_of):

@@ -290,7 +290,7 @@ def _cell(n_pulleys: int, wrap_angle_deg: float, trials: list[TrialFriction]) ->
     tension, friction = points.T
     count = len(points)
     if count < 2 or tension.max() < LEAST_TENSION_RATIO * tension.min():
-        reason = f"tensions of its {count} trials within {LEAST_TENSION_RATIO - 1:.0%}"
+        reason = f"the tensions of its {count} trials differ by less than {LEAST_TENSION_RATIO - 1:.0%}"
         return CellLine(n_pulleys, wrap_angle_deg, count, Slope(None, None, reason), None)
     slope, intercept = _line(tension, friction)
     return CellLine(n_pulleys, wrap_angle_deg, count, slope, intercept)
@@ -299,7 +299,7 @@ def _cell(n_pulleys: int, wrap_angle_deg: float, trials: list[TrialFriction]) ->
 def _wrap_slope(cells: list[CellLine]) -> Slope:
     angles = np.array([cell.wrap_angle_deg for cell in cells])
     if angles.size < 2 or np.ptp(angles) < LEAST_ANGLE_SPAN_DEG:
-        return Slope(None, None, f"wrap angles within {LEAST_ANGLE_SPAN_DEG:.0f}°")
+        return Slope(None, None, f"its wrap angles differ by less than {LEAST_ANGLE_SPAN_DEG:.0f}°")
     slopes = np.array([cell.slope.value for cell in cells], dtype=np.float64)
     return _line(angles, slopes)[0]
 

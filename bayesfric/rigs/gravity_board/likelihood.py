@@ -46,7 +46,7 @@ from bayesfric.rigs.gravity_board.wander import Wander
 SCATTER = ("tau", "omega", "omega_intercept")
 WALKERS_AT_ONCE = 50
 START_WANDER = 0.02  # starting value of the rms, relative to friction
-ONLY_NORMAL = "normal, since for Student-t scatter trials that did not move have no likelihood"
+ONLY_NORMAL = "normal: with Student-t scatter, trials that did not move cannot be used"
 
 
 class GravityModel(ExactModel):

@@ -29,8 +29,8 @@ DEGREE = 4  # of the travel in time; a force that changes linearly in time needs
 LEAST_SPEED_SHARE = 0.02  # lower bound of a smoothed speed, relative to the trial's highest speed
 NO_EVENTS = Unsupported("It acts on the times of single events, and no trial has any.")
 NO_MOTION = Unsupported(
-    "It depends on how fast and how far a trial runs, and all have an acceleration alone: it "
-    "enters where the recording says the travel (`rig.limits.travel_m`)."
+    "It depends on how fast and how far a trial runs, and only accelerations were recorded. State "
+    "the travel to examine it (`rig.limits.travel_m`)."
 )
 
 

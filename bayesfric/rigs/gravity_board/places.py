@@ -36,11 +36,11 @@ from bayesfric.rigs.gravity_board.trial_motion import (
 
 ON_CURRENT = Unsupported("It acts on the current of a motor, and this board has none.")
 SHAPED_PHASES = Unsupported(
-    "Nobody recorded its phases, and how it varies between them is not known either."
+    "Neither its phases nor its shape over a turn were recorded."
 )
 LEAST_ACCELERATION = 1e-3  # m/s², lower bound in a motion from rest
 BENT_READING = Unsupported(
-    "It rings faster than the likelihood's few fixed responses follow, its rate being unknown."
+    "It rings, at an unknown rate, faster than the likelihood's fixed responses can represent."
 )
 
 

@@ -75,7 +75,8 @@ class SensorClocks:
         alike = int(self.trials["same_motion"].sum())
         if self.late_s is None or self.sd_s is None:
             return (
-                f"not to be compared: in all {len(self.trials)} trials the sensors differ by more"
+                f"not comparable: in all {len(self.trials)} trials the sensors differ by more than "
+                "their clocks"
             )
         within = f"the fit estimates each trial's offset, up to {1e3 * self.furthest_s:.3g} ms"
         return f"{_in_words(self.late_s, self.sd_s)}, {alike} trials; {within}"

@@ -14,9 +14,9 @@ from bayesfric.rigs.base import Unsupported, why_inert
 from bayesfric.rigs.truth import table1_coefficients
 
 ON_READINGS = Unsupported("It acts on sensors along a trial, and this board reads a current.")
-OVER = Unsupported("Nothing of it is left, or it averages out, once the cable runs steadily.")
+OVER = Unsupported("It decays, or averages out, in steady motion.")
 NO_PHASES = Unsupported(
-    "Nobody recorded its phases: it is a scatter of every run, and moves none on average."
+    "Its phases were not recorded, so that it only adds scatter between runs."
 )
 
 

@@ -96,8 +96,8 @@ def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsu
         )
     if one_way < AT_EASE * interval:
         seen = (
-            f"it runs one way for some {one_way:.3g} s at a time, in which "
-            f"{one_way / interval:.0f} samples come and it takes {AT_EASE}"
+            f"it runs one way for some {one_way:.3g} s at a time, which has "
+            f"{one_way / interval:.0f} samples, and {AT_EASE} are needed"
         )
         if sticking_share(logs, noise) > STICKS:
             return Unsupported(
@@ -116,6 +116,5 @@ def refused_for_few_windows(readings: Readings | None) -> Unsupported | None:
         return None
     return Unsupported(
         f"{count} windows of {2 * AXIS_RULES.narrowest_at_turns + 1} samples or more in which the "
-        "axis runs one way, and "
-        f"it takes {AXIS_RULES.least_windows}: record it for longer"
+        f"axis runs one way, and {AXIS_RULES.least_windows} are needed: record it for longer"
     )

@@ -90,7 +90,7 @@ class SingleAxis(Rig):
             return faults
         entered = entering(recording.axis, recording.rig)
         if isinstance(entered, Unsupported):
-            return [Fault(self.tables[1], f"a run that enters: {entered.reason}")]
+            return [Fault(self.tables[1], f"a run that can be used: {entered.reason}")]
         return left_out(recording.axis, recording.rig)
 
 

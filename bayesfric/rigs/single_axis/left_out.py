@@ -74,7 +74,7 @@ def _of_runs(
     noise = float(np.median(noises)) if noises else 0.0
     for run, log in logs.items():
         if log is None:
-            expected = f"{AXIS_RULES.least_samples} samples at least of a run that enters"
+            expected = f"at least {AXIS_RULES.least_samples} samples in a run"
             value = f"{len(by_run[run])} samples"
         elif (stretch := _longest(log, noise)) == 0:
             expected = (

@@ -104,7 +104,7 @@ def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) 
     if abs(best) > reach_s - 0.5 * step:
         acts = "later" if best > 0 else "earlier"
         why = (
-            f"the force fits best where it acts {reach_s:.2g} s {acts} than it stands in the log, "
+            f"the force fits best where it acts {reach_s:.2g} s {acts} than it was logged, "
             "and larger shifts are not tried: correct the clocks of force and positions"
         )
         return OnTime(tuple(logs), why_refused=why)

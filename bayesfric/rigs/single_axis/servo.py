@@ -87,8 +87,8 @@ class Servo(NamedTuple):
     def no_inertia(self) -> str:
         """Why inertia is not estimated, if it is not."""
         return (
-            f"{self.samples_a_period:.0f} samples come in a period of the motion and it takes "
-            f"{A_PERIOD:.0f}: log faster, or move slower"
+            f"a period of the motion has {self.samples_a_period:.0f} samples, and {A_PERIOD:.0f} "
+            "are needed: log faster, or move slower"
         )
 
     def said(self, *, rotary: bool) -> Iterator[str]:

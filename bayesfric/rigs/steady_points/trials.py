@@ -31,7 +31,7 @@ LEVELS = 5  # planned values of each column
 FEW_LEVELS = 3  # planned values of each column if there would be more than MOST_POINTS points
 MOST_POINTS = 3000
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
-VISCOUS_IS_AN_EFFECT = Unsupported("Here viscous friction is an effect, which is diagnosed.")
+VISCOUS_IS_AN_EFFECT = Unsupported("Viscous friction is an effect here: a diagnosis estimates it.")
 NO_TENSION = Unsupported("No tension_n was recorded to which friction could be proportional.")
 
 
