@@ -53,7 +53,7 @@ def told(recording, tmp_path, verb):
 
 CASES = {
     "few samples": (joint(slow, seconds=0.05), "a run takes 16 samples, and the longest has 10"),
-    "too slow a log": (joint(fast, rate=20.0), "in which 7 samples come"),
+    "too slow a log": (joint(fast, rate=20.0), "which has 7 samples, and 16 are needed"),
     "held": (joint(lambda time: 0 * time), "never shows which way the axis runs"),
 }
 

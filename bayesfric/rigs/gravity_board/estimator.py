@@ -290,7 +290,9 @@ def _cell(n_pulleys: int, wrap_angle_deg: float, trials: list[TrialFriction]) ->
     tension, friction = points.T
     count = len(points)
     if count < 2 or tension.max() < LEAST_TENSION_RATIO * tension.min():
-        reason = f"the tensions of its {count} trials differ by less than {LEAST_TENSION_RATIO - 1:.0%}"
+        reason = (
+            f"the tensions of its {count} trials differ by less than {LEAST_TENSION_RATIO - 1:.0%}"
+        )
         return CellLine(n_pulleys, wrap_angle_deg, count, Slope(None, None, reason), None)
     slope, intercept = _line(tension, friction)
     return CellLine(n_pulleys, wrap_angle_deg, count, slope, intercept)

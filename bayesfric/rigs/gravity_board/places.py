@@ -35,9 +35,7 @@ from bayesfric.rigs.gravity_board.trial_motion import (
 )
 
 ON_CURRENT = Unsupported("It acts on the current of a motor, and this board has none.")
-SHAPED_PHASES = Unsupported(
-    "Neither its phases nor its shape over a turn were recorded."
-)
+SHAPED_PHASES = Unsupported("Neither its phases nor its shape over a turn were recorded.")
 LEAST_ACCELERATION = 1e-3  # m/s², lower bound in a motion from rest
 BENT_READING = Unsupported(
     "It rings, at an unknown rate, faster than the likelihood's fixed responses can represent."

@@ -15,9 +15,7 @@ from bayesfric.rigs.truth import table1_coefficients
 
 ON_READINGS = Unsupported("It acts on sensors along a trial, and this board reads a current.")
 OVER = Unsupported("It decays, or averages out, in steady motion.")
-NO_PHASES = Unsupported(
-    "Its phases were not recorded, so that it only adds scatter between runs."
-)
+NO_PHASES = Unsupported("Its phases were not recorded, so that it only adds scatter between runs.")
 
 
 def run_condition(runs: pd.DataFrame, rig: RigConstants) -> MotorCondition:
