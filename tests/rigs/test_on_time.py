@@ -72,4 +72,4 @@ def test_a_force_that_is_later_than_is_looked_for_is_refused(late_s):
     moved = samples.assign(force_n=np.interp(time + late_s, time, force))
     (fault,) = AXIS.left_out(recording_of(moved, force_is="measured"))
     acts = "later" if late_s > 0 else "earlier"
-    assert f"fits best where it acts 1.1 s {acts} than it stands in the log" in fault.expected
+    assert f"fits best where it acts 1.1 s {acts} than it was logged" in fault.expected
