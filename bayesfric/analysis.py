@@ -101,10 +101,10 @@ class ClaimRules(Section):
     is too small to matter. Otherwise it stays undecided.
 
     The Bayes factor depends on the width of the rivals' priors, so it is computed for a tenfold
-    range of widths around the width of the analysis. To refute a claim, it must reach the
-    threshold for refuting at every width of this range. To support a claim, it must reach the
-    threshold for supporting at the width of the analysis, and a lower threshold at every width of
-    the range. A claim without rivals is judged by a probability.
+    range of widths around the width of the analysis. A claim is refuted only if the Bayes factor
+    reaches the threshold for refuting at every width of this range. A claim is supported only if
+    the Bayes factor reaches the threshold for supporting at the width of the analysis, and a lower
+    threshold at every width of the range. A claim without rivals is judged by a probability.
 
     Fields
     ------
@@ -198,7 +198,7 @@ class CalibrationRules(Section):
     """Priors of simulation-based calibration: recordings are drawn from them and fitted with them.
 
     Each prior is uniform: coefficients around the paper's Table I, scatter and noise around the
-    values here, each within `spread`. They are narrow enough that the masses move: the driving
+    values here, each within `spread`. The priors are so narrow that the masses move: the driving
     force of the protocols exceeds friction by at least 40 %. The sampler is short, since only 99
     draws of each posterior are ranked.
 

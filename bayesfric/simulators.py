@@ -26,7 +26,7 @@ ExtraForce = Callable[[float, float, float], float]
 
 @dataclass(frozen=True, eq=False)
 class SimulatorRun:
-    """A run, as a simulator is given it.
+    """The input of a simulator for one run.
 
     Parameters
     ----------

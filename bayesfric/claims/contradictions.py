@@ -59,8 +59,8 @@ def contradictions() -> list[Contradiction]:
         ),
         Contradiction(
             "wrap angle of large pulleys",
-            f"On the robot large pulleys wrap {wrap:.0f}°. Table II calls the law valid for a mean "
-            f"wrap angle of {low:.0f}° to {high:.0f}°.",
+            f"On the robot the cable wraps large pulleys by {wrap:.0f}°. Table II states the law "
+            f"for mean wrap angles of {low:.0f}° to {high:.0f}°.",
             {"robot_deg": wrap, "valid_to_deg": high},
         ),
         Contradiction(

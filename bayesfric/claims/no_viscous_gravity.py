@@ -7,7 +7,7 @@ from bayesfric.fitting.hypothesis import LawWithEffects
 CLAIM = Claim(
     name="no-viscous-gravity",
     place=2,
-    statement="A falling weight's friction does not grow with its speed.",
+    statement="The friction of a cable that a falling weight drives does not grow with speed.",
     paper="Trajectories fit without fv; R² of a trial is often above 0.95 (Sec. III.B, Fig. 11).",
     judge=compare,
     regime="accelerated",

@@ -41,7 +41,7 @@ def climb(
     low, high = _bounds(model, psi.size)
 
     def evaluated(psi: Array, above: float = -np.inf) -> At:
-        """Evaluate the hypothesis, with the weights of Student-t deviations at their mode."""
+        """Evaluate the hypothesis at ``psi``, with the Student-t weights of the mode there."""
         nonlocal model
         psi = np.clip(psi, low, high)
         model = model.reweighted(psi, acting, wide, form)

@@ -1,4 +1,7 @@
-"""Compares hypotheses around the baseline, then the best around the law of the leading one."""
+"""Compares hypotheses in a model linearised around the baseline.
+
+The best are compared again in a model linearised around the law of the leading hypothesis.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -48,7 +48,9 @@ class Wide:
 
 @dataclass(frozen=True)
 class Discrepancy:
-    """Smooth forces and small amounts of effects.
+    """The model discrepancy: smooth forces and small amounts of effects.
+
+    Every hypothesis contains it, so that a small error of the model is not named as an effect.
 
     Parameters
     ----------

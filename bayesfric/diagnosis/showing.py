@@ -46,7 +46,7 @@ def why_not_shown(search: Search, residuals: Residuals, *, along_path: bool) -> 
 
 
 def few_windows(residuals: Residuals, *, along_path: bool) -> str | None:
-    """Return a text if there are too few windows for the law's numbers; None if enough."""
+    """Return a warning if there are too few windows for the law's numbers; otherwise None."""
     least = RULES.windows_a_number_of_joints if along_path else RULES.windows_a_number
     windows, numbers = residuals.independent, _numbers(residuals)
     trials = np.unique(residuals.trial).size
@@ -64,7 +64,7 @@ def few_windows(residuals: Residuals, *, along_path: bool) -> str | None:
 def loosely_known(
     model: LinearModel, residuals: Residuals, posterior: Posterior, practical: float
 ) -> str | None:
-    """Return a text if the data hardly determine the mass or friction of an axis; else None.
+    """Return a warning if the data hardly determine mass or friction of an axis; otherwise None.
 
     A number is determined if its error, as a force, is below half of friction. At lower speeds than
     in the windows a joint has Coulomb friction alone, so the error of this number must be below

@@ -62,5 +62,5 @@ def model_of(
 
 
 def chart_of(model: Model) -> Chart:
-    """Return the coordinates in which proposals for a model's posterior are fitted."""
+    """Return a model's own coordinates, in which proposals are fitted to its posterior."""
     return Chart(model.coordinates, model.from_coordinates, model.coordinates_log_slope)

@@ -59,9 +59,9 @@ def _shares_add_up_to_1(record: Mapping[str, Any]) -> list[str]:
 
 @rule(
     DIAGNOSIS,
-    "The estimated systematic gap is not much larger than what was measured. What was measured is "
-    "the rms residual that the law without the causes leaves in held-out data, or the rms of "
-    "scatter if that is larger.",
+    "The estimated systematic gap is not much larger than the rms residual that the law without "
+    "the causes leaves in held-out data. If the rms of scatter is larger than this residual, the "
+    "gap is compared with the scatter.",
 )
 def _gap_is_measured(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]

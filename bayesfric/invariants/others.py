@@ -13,7 +13,9 @@ FIT: dict[str, Rule] = {}
 
 
 @rule(
-    FIT, "Every parameter has draws, an R-hat of about 1 or more, and a contraction of at most 1."
+    FIT,
+    "Every parameter has draws. Its R-hat is 1 or larger, except for a deviation by chance. Its "
+    "contraction (1 − posterior sd / prior sd) is at most 1.",
 )
 def _parameters_are_drawn(record: Mapping[str, Any]) -> list[str]:
     wrong = []

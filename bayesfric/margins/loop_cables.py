@@ -22,7 +22,9 @@ class Section(Documented):
 
 
 class CableRun(Section):
-    """Equal pulleys that the cable passes; `[[runs]]`, from the motor to the load.
+    """A group of equal pulleys that the cable passes.
+
+    List the groups in order from the motor to the load.
 
     Fields
     ------
@@ -82,8 +84,9 @@ class Cable(Section):
 class SecondStage(Section):
     """A shaft that the motor's cable turns, and the cable from there to the joint.
 
-    `runs` and `[cable]` then describe the motor's cable. `[[second_stage.runs]]` and
-    `[second_stage.cable]`, with the same keys, describe the joint's. Both are antagonist pairs.
+    `[[runs]]` and `[cable]` then describe the cable from the motor to the shaft.
+    `[[second_stage.runs]]` and `[second_stage.cable]` have the same keys. They describe the cable
+    from the shaft to the joint. Both cables are antagonist pairs.
 
     Fields
     ------

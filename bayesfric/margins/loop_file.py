@@ -204,7 +204,7 @@ class Kick(Section):
 
 
 class Tool(Section):
-    """From the joint to the tool tip.
+    """Distance from the joint to the tool tip.
 
     Fields
     ------

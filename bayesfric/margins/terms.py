@@ -29,7 +29,7 @@ def standard_error(probability: float, draws: float) -> float:
 
 
 def draws_behind(curve: Sequence[GammaProbability]) -> float:
-    """Return the number of independent draws that gives the Monte Carlo errors of a curve."""
+    """Return the effective number of draws, from which the Monte Carlo errors of a curve follow."""
     counts = [
         point.p * (1 - point.p) / point.mcse**2 if 0 < point.p < 1 else HALF_A_DRAW / point.mcse
         for point in curve

@@ -192,10 +192,10 @@ def _thresholds(
 ) -> _Search:
     """Return thresholds over the conditions that hunt first, and these conditions.
 
-    The search starts with the conditions in which the map begins to hunt. A condition is added if a
-    draw hunts there below its threshold: in the map, at the loop's own γ, or after another kick at
-    the safe gain. If the search missed a band of hunting γ, the threshold of the draw is lowered to
-    the γ at which it hunted.
+    The search starts with the conditions in which the map begins to hunt. If a draw hunts below its
+    threshold in another condition, this condition is added. Other conditions are those of the map,
+    the loop's own γ, and another kick at the safe gain. If the search missed a band of hunting γ,
+    the threshold of the draw is lowered to the γ at which it hunted.
     """
     draws = some.friction.size
     conditions: tuple[Condition, ...] = ()

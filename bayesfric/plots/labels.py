@@ -140,10 +140,10 @@ def ordered_sizes(names: Iterable[str]) -> list[str]:
 
 
 def plain(text: str) -> str:
-    """Return a name that its user chose as text in which nothing is markup.
+    """Return a user's name with its markup characters escaped.
 
-    Characters that the figures' font lacks are shown by their code, and what is
-    longer than a panel is cut.
+    Characters that the figures' font lacks are replaced by their code. A name that is longer than
+    a panel is cut.
     """
     text = text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
     shown = (c if ord(c) in _glyphs() and c.isprintable() else f"[U+{ord(c):04X}]" for c in text)

@@ -64,10 +64,10 @@ Text: TypeAlias = Inline | Sequence[Inline]
 
 
 def inlines(text: Text) -> tuple[Inline, ...]:
-    """Return a text as a sequence of inlines, whichever way it was written.
+    """Return a text as a sequence of inlines; a single inline becomes a sequence of one.
 
-    Stored sentences write 12%, 1.6e-05 or c2[small], as a terminal does; in words they are set
-    as everywhere else: 12 %, 1.6 × 10⁻⁵ and c₂ (small).
+    Stored sentences are written for a terminal, with 12%, 1.6e-05 or c2[small]. A report shows
+    12 %, 1.6 × 10⁻⁵ and c₂ (small) instead.
     """
     if isinstance(text, str) or not isinstance(text, Sequence):
         return (_set(text),)

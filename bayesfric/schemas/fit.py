@@ -23,8 +23,8 @@ class SamplerSummary(Record):
     extensions: How often the ensembles were extended because the draws had not converged.
     draws: Total number of draws kept.
     acceptance: Share of proposals that were accepted.
-    autocorrelation_time: Largest autocorrelation time of the parameters: steps of a walker for one
-        effective draw.
+    autocorrelation_time: Largest integrated autocorrelation time of the parameters: steps of a
+        walker for each effective draw.
     """
 
     ensembles: int
@@ -105,8 +105,9 @@ class Agreement(Record):
     trials: Trials whose two sensors can be compared.
     largest_z: Largest |z|, the difference over its standard error; null without trials.
     z_q95: 95 % quantile of |z|; 1.96 if there is only noise.
-    limit_z: A trial disagrees beyond this |z| ...
-    limit_friction_share: ... if its frictions by either sensor also differ by more than this share.
+    limit_z: A trial disagrees if its |z| is above this limit and, in addition, its friction by the
+        two sensors differs by more than `limit_friction_share`.
+    limit_friction_share: Limit of the relative difference of friction by the two sensors.
     disagreeing: Ids of the trials that disagree.
     """
 

@@ -12,17 +12,18 @@ process of its own. It writes this page from `reports/evidence/benchmark.json`.
 - **Times** are processor time of one thread. Compare ratios within one run: times differ from
   machine to machine. Commands are timed by the wall clock, from a cold start. Kernels are timed
   by pytest-benchmark (median).
-- **Draws** are effective draws of the worst coefficient of the law. "From cold" is the time to
-  4,000 of these, including imports, compilation and tuning.
-- **The limit** on the speed of a sampler is importance sampling from the Laplace fit, whose
-  draws are independent. In its rows, "peer" means this sampler, and the ratio is the speed of
-  `fit` over that of this sampler.
+- **Draws** are effective draws, for the coefficient of the law with the smallest effective sample
+  size. "From cold" is the time to 4,000 effective draws, including imports, compilation and
+  tuning.
+- **The limit** is importance sampling from the Laplace fit. We take its speed as an upper limit,
+  because its draws are independent. In its rows, "peer" means importance sampling, and the ratio
+  is the speed of `fit` over that of importance sampling.
 - **Peers** get the same sufficient statistics. Their settings are their defaults; their authors
   did not tune them. Their density is written in JAX by this project and is not optimised. A
   faster implementation of the peer may exist. A peer whose chains have an R-hat above 1.05 is
   shown but not compared.
-- **Ours** is `fit` with `walkers = 1024`, `burn = 10`, `steps = 50` and `thin = 1`. By default
-  `fit` has 40 walkers with longer chains.
+- **Ours** is `fit` with `walkers = 1024`, `burn = 10`, `steps = 50` and `thin = 1`. By default,
+  `fit` has fewer walkers (40) and keeps more steps of each (140).
 - **Agreement** compares means and standard deviations of all parameters with those of each peer
   and of the limit, from the draws of all repeats together. The table has the largest difference.
   Each repeat has its own seed; the event-level posterior is run once.

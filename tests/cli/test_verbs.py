@@ -71,7 +71,8 @@ def test_claims_are_listed_without_a_recording():
     assert [line.partition(":")[0] for line in listed.stdout.splitlines()] == [
         claim.name for claim in registered()
     ]
-    assert "A falling weight's friction does not grow with its speed." in listed.stdout
+    statement = "The friction of a cable that a falling weight drives does not grow with speed."
+    assert statement in listed.stdout
     missing = CliRunner().invoke(app, ["claims"])
     assert missing.exit_code == 2
     assert "a RECORDING, or --list" in missing.stderr

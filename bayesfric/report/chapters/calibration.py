@@ -55,7 +55,7 @@ def calibration(ranks: CalibrationFile) -> Iterator[Block]:
             f"{format_share(ranks.stalled_share)} of the trials stalled, and the largest R-hat "
             f"is {format_fixed(ranks.r_hat, 3)}. The prior is that of ",
             Code("[calibration]"),
-            ", narrow enough that boards move; it is not that of this report's fit.",
+            ", not that of this report's fit. It is narrow, so that the masses move.",
         ]
     )
     for line in ranks.attention:

@@ -217,16 +217,16 @@ def _rules(judged: ClaimsFile) -> list[str]:
     support = rule["support_log10_bayes_factor"]
     over_width = rule.get("support_over_width_log10_bayes_factor", support)  # once it was one
     return [
-        "A claim is supported where its log₁₀ Bayes factor against the best of its "
-        f"rivals is at least {support:g} and the 95 % upper bound of "
-        f"the effect is below {rule['region_of_equivalence']:.0%} of friction at the edge of "
-        "the paper's Table II (for a speed, at 1.3 m/s). It is refuted where the factor is at most "
+        "A claim is supported if log₁₀ of its Bayes factor against the best of its rivals is at "
+        f"least {support:g} and the 95 % upper bound of the rival's effect is below "
+        f"{rule['region_of_equivalence']:.0%} of friction at the edge of the paper's Table II (for "
+        "a speed, at 1.3 m/s). It is refuted if log₁₀ of the Bayes factor is at most "
         f"{format_fixed(rule['refute_log10_bayes_factor'], 0)}, the effect is above that share "
         f"with probability {rule['refute_effect_probability']:g} and the rival predicts assemblies "
         f"better by more than {rule['refute_elpd_errors']:g} standard errors. Either verdict must "
-        "stand while the width of the rivals' priors changes tenfold; for support log₁₀ of "
-        f"the factor must then stay at {over_width:g} or more. A claim without rivals is supported "
-        f"at a probability of {rule['support_probability']:g} and refuted at "
+        "hold over a tenfold range of widths of the rivals' priors. For support, log₁₀ of the "
+        f"Bayes factor must be at least {over_width:g} over this range. A claim without rivals is "
+        f"supported at a probability of {rule['support_probability']:g} and refuted at "
         f"{rule['refute_probability']:g}. To refute `coefficients`, the joint tail "
         f"probability of Table I must also be below {rule['refute_tail_probability']:g}. Otherwise "
         "it is undecided."

@@ -80,8 +80,9 @@ def _by_size(table: xr.Dataset, sizes: list[str], moving: bool) -> Table:
         "Negative: share of prior draws and conditions with friction below zero"
         + (", which c3 makes at wrap angles far from 85°." if pulleys else ".")
         + (
-            " Does not move: share in which friction holds the board at rest. In some condition: "
-            "share of prior draws in which at least one condition does not move."
+            " Does not move: share of prior draws and conditions in which the drive does not "
+            "overcome friction at rest. In some condition: share of prior draws in which at least "
+            "one condition does not move."
             if moving
             else ""
         ),

@@ -20,8 +20,8 @@ def far_from_their_own(deviation: Array, setup: NDArray[Any]) -> Flags:
     """Return which trials are far from the others of their assembly.
 
     The distance of a trial is that of its relative deviation from the median of its assembly. The
-    usual distance is the median of all distances, converted to a standard deviation. An effect
-    increases it, and a single trial does not.
+    usual distance is the median absolute deviation, scaled to the standard deviation of a normal
+    distribution. An effect increases the usual distance, and a single trial does not.
 
     Parameters
     ----------

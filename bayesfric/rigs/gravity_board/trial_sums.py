@@ -40,7 +40,10 @@ class OrthogonalSums:
     square: Array
 
     def add_residual(self, trial: int, rows: Array) -> None:
-        """Add products with the residual, which is the last column of a trial's rows."""
+        """Add a trial's products with its residual to ``slope`` and ``square``.
+
+        The residual is the last column of the rows.
+        """
         self.slope[trial] += rows[:, -1] @ rows[:, :-1]
         self.square[trial] += rows[:, -1] @ rows[:, -1]
 

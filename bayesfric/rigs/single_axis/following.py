@@ -128,7 +128,7 @@ class LoadMotions:
         self._kept: dict[tuple[object, ...], dict[float, Array]] = {}
 
     def thinned(self, most: int) -> tuple["LoadMotions", Whole]:
-        """Return motions along evenly chosen paths with about `most` samples in total.
+        """Return the motions along every k-th path, so that about `most` samples remain in total.
 
         Parameters
         ----------

@@ -184,7 +184,7 @@ class AxisPart(ColumnsPart):
         return np.tile(variances, (len(self.size), 1))
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
-        """Return residual forces in windows of :data:`GROUPED` neighbouring rows."""
+        """Return residual forces, each the mean of :data:`GROUPED` neighbouring rows."""
         readings = self.rows.readings
         position, force, wander, length = (noise[name] for name in NAMES[:4])
         mean, first = self._pieces.grouped(GROUPED)

@@ -184,7 +184,7 @@ class Readings:
 
     @property
     def weight_pulls(self) -> float:
-        """Rms force of a weight on a lever by least squares, fitted with the law [N·m]."""
+        """Rms gravity torque of a weight on a lever, fitted by least squares with the law [N·m]."""
         place, speed = self.position @ self.weights, self.speed @ self.weights
         pulls = self.way[:, None] * np.column_stack([np.sin(place), np.cos(place)])
         law = np.column_stack([self.acceleration, np.ones(self.count), speed, self.way])
