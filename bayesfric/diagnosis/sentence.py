@@ -182,8 +182,8 @@ def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = 
         return f"{off}; {scatter}, a difference that chance does not explain."
     return (
         f"On data that the fit has not seen the law is off by {_ends(row.before)} {gap.unit} rms; "
-        f"scatter alone makes {_ends(row.floor)} {gap.unit} rms (90% intervals). Chance may "
-        f"explain the difference (p = {stated(row.below_floor)})."
+        f"scatter alone makes {_ends(row.floor)} {gap.unit} rms (90% intervals). The "
+        f"two are consistent (p = {stated(row.below_floor)})."
     )
 
 

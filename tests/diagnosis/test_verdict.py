@@ -225,7 +225,7 @@ def test_the_sentence_says_what_data_held_out_say():
     )
     within = held_out_words(open_still, ())
     assert within.startswith("On data that the fit has not seen the law is off by 0.0")
-    assert within.endswith("(90% intervals). Chance may explain the difference (p = 0.40).")
+    assert within.endswith("(90% intervals). The two are consistent (p = 0.40).")
     assert held_out_words(gap, ()).endswith("a difference that chance does not explain.")
     below = nothing.model_copy(update={"floor": nothing.before})
     assert held_out_words(gap.model_copy(update={"held_out": (below,)}), ()).endswith(

@@ -164,6 +164,17 @@ def test_no_gap_beside_biased_coefficients_does_not_read_as_all_is_well():
     assert words(notice(0).text).startswith("No gap. ")
 
 
+@pytest.mark.parametrize(
+    ("chance", "headline"),
+    [(0.999, "There is a gap; its cause is undecided."), (0.6, "Undecided.")],
+)
+def test_a_certain_gap_of_an_open_cause_is_not_called_undecided(chance, headline):
+    record = diagnosis()
+    gap = record.gap.model_copy(update={"probability_above_practical": chance})
+    block = record.model_copy(update={"verdict": "undecided", "causes": (), "gap": gap})
+    assert words(verdict_line(block).text).startswith(f"{headline} ")
+
+
 def test_what_held_out_data_contradict_is_warned_of_once():
     """In the verdict, in the numbers' warning and in the scatter it was the same miss."""
     from export.test_entered import COULOMB

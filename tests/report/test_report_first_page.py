@@ -147,11 +147,13 @@ def test_what_is_wrong_of_all_results_is_one_list_on_page_one(stored):
 
 def test_no_orange_stands_where_nothing_has_to_be_done(stored):
     line = "These data hardly inform tau: its prior decides; no coefficient of the law is affected"
-    (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,))))
+    (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,), converged=True)))
     assert box.kind == "info"
+    assert box.text.endswith("Every other check passed.")
     both = (line, "1 of 48 trials left out")
-    found = list(page_one.worries(StoredResults(changed(stored, attention=both))))
+    found = list(page_one.worries(StoredResults(changed(stored, attention=both, converged=True))))
     assert [box.kind for box in found] == ["attention", "info"]
+    assert "passed" not in found[1].text
 
 
 def test_a_parameter_in_a_remark_is_called_by_what_it_is(stored):

@@ -117,9 +117,11 @@ def _at_a_glance(record: DiagnosisFile) -> Table:
     rows.append(
         [
             "How much of it is unexplained?",
-            "more than chance explains"
-            if record.remainder.significant
-            else "nothing detectable in these data",
+            "nothing detectable in these data"
+            if not record.remainder.significant
+            else "more than chance explains"
+            if record.causes
+            else "all of it: no cause is named",
         ]
     )
     if record.next_experiment:

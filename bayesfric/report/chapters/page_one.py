@@ -310,7 +310,9 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     elif heeded:
         yield Notice("attention", *heeded)
     if harmless:
-        yield Notice("info", " ".join(harmless))
+        passed = fit is not None and fit.converged and not heeded
+        rest = ["Every other check passed."] if passed else []
+        yield Notice("info", " ".join([*harmless, *rest]))
     if not lines and fit is None and diagnosed is not None and is_sound(diagnosed.record):
         yield Notice(
             "good",

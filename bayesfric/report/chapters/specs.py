@@ -163,8 +163,8 @@ def _below_simulated(margins: MarginsFile) -> str:
     rules = MARGIN_RULES
     return (
         f" A simulated γ may be off by {rules.threshold_tolerance:g} or "
-        f"{100 * rules.threshold_share:g}\u202f%, whichever is more, and the safe γ is lower by "
-        "as much."
+        f"{100 * rules.threshold_share:g}\u202f%, whichever is more; the largest safe γ "
+        "already includes this error."
     )
 
 

@@ -81,7 +81,7 @@ def papers_law(causes: Sequence[Cause] = ()) -> str:
         and cause.effect in examined
         and examined[cause.effect].acts_on == "friction"
     ]
-    beside = f" Add the friction of {' and '.join(others)} to it." if others else ""
+    beside = f" It lacks {' and '.join(others)}, whose law stands below." if others else ""
     return f" Friction of n pulleys: {formula}, with {', '.join(symbols)}.{beside}"
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from bayesfric.attention.diagnosis import biased_numbers, why_untrusted
 from bayesfric.diagnosis.sentence import held_out_words
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.plots.labels import axis_words
 from bayesfric.report.chapters.conditions import condition_words
 from bayesfric.report.content import Inline, Notice, Reference, Strong
@@ -25,8 +26,7 @@ def verdict_line(record: DiagnosisFile) -> Notice:
     open_still = record.verdict == "undecided" and record.possible
     off = _off_today(record)
     biased = record.verdict == "no-gap" and not record.joints and biased_numbers(record)
-    but = ", but the coefficients of the law alone are biased" if biased else ""
-    verdict = Strong(f"{VERDICTS[record.verdict]}{but}.")
+    verdict = Strong(f"{_headline(record)}.")
     begun: list[Inline] = [verdict, " "]
     said = _with_meanings(record)
     if off and _nothing_left(record):
@@ -48,6 +48,19 @@ def verdict_line(record: DiagnosisFile) -> Notice:
         title="Sim-to-real gap",
         points=list(_of_joints(record)),
     )
+
+
+def _headline(record: DiagnosisFile) -> str:
+    """Return the verdict in a few words, with what a reader must not miss."""
+    said = VERDICTS[record.verdict]
+    if record.joints:
+        return said
+    if record.verdict == "no-gap" and biased_numbers(record):
+        return f"{said}, but the coefficients of the law alone are biased"
+    is_certain = record.gap.probability_above_practical >= RULES.sure
+    if record.verdict == "undecided" and is_certain and not record.causes:
+        return "There is a gap; its cause is undecided"
+    return said
 
 
 def _measure_next(record: DiagnosisFile) -> Iterator[str]:
