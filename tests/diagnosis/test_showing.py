@@ -53,7 +53,7 @@ def test_a_gap_can_show_where_windows_and_evidence_are_enough(windows, unknown, 
 def test_a_joint_that_turned_once_is_said_to_have_shown_nothing_of_its_places():
     """There and back past a pull of twice its friction: effects of a place are not examined."""
     turned_once = "the joint turns 1 time"
-    rig = SimpleNamespace(along_path=True, open_still=turned_once, untold={})
+    rig = SimpleNamespace(along_path=True, why_no_finding=turned_once, untold={})
     model = SimpleNamespace(data=SimpleNamespace(rigs=[rig]))
     judged = SimpleNamespace(residuals=recorded(60))
     why = _why_not_shown(model, search(0.5), judged, "none", 0.02)
@@ -147,7 +147,7 @@ def test_of_an_axis_without_friction_no_share_is_told(tmp_path):
 def test_a_log_that_tells_no_friction_leaves_all_open(untold, verdict):
     """Of a log whose force had the other sign, another joint's pull was told, or a compliance."""
     rig = SimpleNamespace(
-        untold=untold, open_still="the sign is wrong", along_path=False, other_joints="unknown"
+        untold=untold, why_no_finding="the sign is wrong", along_path=False, other_joints="unknown"
     )
     objections = SimpleNamespace(loop=None, contradict=verdict == "unknown")
     why = _why_open(verdict, objections, rig, None, None)

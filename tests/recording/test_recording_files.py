@@ -163,7 +163,7 @@ def test_file_that_cannot_be_read(
 
     monkeypatch.setattr(Path, "read_bytes", refuse)
     fault = only_fault(folder)
-    assert (fault.file, fault.value) == (name, "Permission denied")
+    assert (fault.file, fault.expected) == (name, "a readable file (Permission denied)")
 
 
 def test_link_inside_the_folder_is_followed(tmp_path: Path) -> None:

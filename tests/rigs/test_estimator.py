@@ -163,7 +163,7 @@ def test_one_angle_leaves_c3_open(exact):
         assert size.c1.value is not None
         assert size.c3.value is None
         assert "two wrap angles" in size.c3.reason
-        assert all("within 5°" in wrap.slope.reason for wrap in size.wraps)
+        assert all("differ by less than 5°" in wrap.slope.reason for wrap in size.wraps)
 
 
 def test_no_upright_cell_leaves_c1_and_c2_open(exact):
@@ -183,7 +183,7 @@ def test_one_tension_or_one_trial_leaves_everything_open(exact):
             assert (size.c1.value, size.c2.value, size.c3.value) == (None, None, None)
             for cell in size.cells:
                 assert cell.intercept_n is None
-                assert "within 10%" in cell.slope.reason
+                assert "differ by less than 10%" in cell.slope.reason
 
 
 def test_one_n_gives_slopes_without_r_squared(exact):

@@ -61,7 +61,7 @@ def test_runs_too_short_for_a_force_to_be_moved_have_it_as_logged():
     """Sixteen samples: no window stays inside of the run however the force is moved."""
     samples = LoopedJoint(sampled_hz=200.0, **CLOSED).recording().axis.samples
     (fault,) = AXIS.left_out(recording_of(samples.iloc[:16]))
-    assert "it takes 8: record it for longer" in fault.expected
+    assert "and 8 are needed: record it for longer" in fault.expected
 
 
 @pytest.mark.parametrize("late_s", [-1.13, 1.13])
