@@ -140,7 +140,7 @@ def test_page_one_has_what_is_allowed_beside_how_probably_it_is_missed(computed)
     assert allowed.pop("γ from which it hunts") == "0.02"
     assert set(allowed.values()) == {"0.1"}
     assert "“γ from which it hunts” must be at least the γ that is set; its own" in specs.note
-    assert "A simulated γ may be off by 0.01 or 5\u202f%, whichever is more," in specs.note
+    assert "A simulated γ may be off by 0.01 or 5\u202f%, whichever is more;" in specs.note
 
 
 def test_specs_at_the_safe_gain_stand_beside_those_at_the_gain_of_the_file(tmp_path):
