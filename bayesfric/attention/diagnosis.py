@@ -97,7 +97,7 @@ def why_untrusted(diagnosis: DiagnosisFile) -> str | None:
 
 
 def is_contradicted(diagnosis: DiagnosisFile) -> bool:
-    """Return whether held-out data contradict the numbers so far that nobody is to enter them."""
+    """Return whether the error on held-out data is too large for the numbers to be entered."""
     return (why_untrusted(diagnosis) or "").startswith(NOT_YET)
 
 

@@ -68,11 +68,11 @@ class Named:
 def test_blocks_of_draws_join_without_a_second_copy():
     z, columns = np.arange(1050.0)[:, None], np.arange(500.0)
     tracemalloc.start()
-    found = by_blocks(Named(), lambda theta: theta["x"][:, None] * columns, z)
+    log_likelihood = by_blocks(Named(), lambda theta: theta["x"][:, None] * columns, z)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert (found == z * columns).all()
-    assert found.nbytes <= peak < 1.4 * found.nbytes
+    assert (log_likelihood == z * columns).all()
+    assert log_likelihood.nbytes <= peak < 1.4 * log_likelihood.nbytes
 
 
 @pytest.fixture(scope="module")

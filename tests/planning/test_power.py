@@ -61,9 +61,9 @@ def plan():
 
 
 def test_coefficients_are_known_as_well_as_the_exact_likelihood_knows_them(plan):
-    found = modes_and_sds(made(2))
+    fits = modes_and_sds(made(2))
     for name, row in plan.coefficients.iterrows():
-        assert row["sd"] == pytest.approx(found[name][1], rel=0.15), name
+        assert row["sd"] == pytest.approx(fits[name][1], rel=0.15), name
     assert plan.coefficients["informed"].all()
 
 

@@ -151,9 +151,9 @@ def test_no_orange_stands_where_nothing_has_to_be_done(stored):
     assert box.kind == "info"
     assert box.text.endswith("Every other check passed.")
     both = (line, "1 of 48 trials left out")
-    found = list(page_one.worries(StoredResults(changed(stored, attention=both, converged=True))))
-    assert [box.kind for box in found] == ["attention", "info"]
-    assert "passed" not in found[1].text
+    boxes = list(page_one.worries(StoredResults(changed(stored, attention=both, converged=True))))
+    assert [box.kind for box in boxes] == ["attention", "info"]
+    assert "passed" not in boxes[1].text
 
 
 def test_a_parameter_in_a_remark_is_called_by_what_it_is(stored):

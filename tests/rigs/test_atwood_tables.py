@@ -79,11 +79,11 @@ def reason(recording, name):
 
 def test_what_a_table_does_not_tell_is_not_examined(tmp_path):
     """No speed, place or time of an event is known of an acceleration."""
-    told = written(tmp_path, share=0.01, limits={"travel_m": [0.0, 0.8]})
+    with_travel = written(tmp_path, share=0.01, limits={"travel_m": [0.0, 0.8]})
     untold = written(tmp_path, share=0.01)
     for name in ("air-drag", "viscous", "stribeck", "cable-weight", "runout"):
         assert "rig.limits.travel_m" in reason(untold, name)
-        assert "rig.limits.travel_m" not in reason(told, name)
-    for one in (told, untold):
+        assert "rig.limits.travel_m" not in reason(with_travel, name)
+    for one in (with_travel, untold):
         assert "single events" in reason(one, "clock-scale")
         assert "single events" in reason(one, "length-scale")

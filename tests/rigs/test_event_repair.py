@@ -93,18 +93,18 @@ def test_clean_events_are_left_alone(seed, sigma_x):
 def test_a_missed_event_shifts_what_comes_after_it(event, sigma_x):
     events = fifteen_trains(simulated(3, sigma_x=sigma_x))
     truth = missing(events, *of_each(events, event))
-    found = repair(counted(truth))
-    same(found.events, truth)
-    assert table(found) == rows_of_each(events, missed=1, doubled=0, removed=0)
+    repaired = repair(counted(truth))
+    same(repaired.events, truth)
+    assert table(repaired) == rows_of_each(events, missed=1, doubled=0, removed=0)
 
 
 @pytest.mark.parametrize("bounce", [0.2e-3, 2e-3])
 @pytest.mark.parametrize("event", [0, 1, 2, 30, -2, -1])
 def test_a_doubled_event_is_taken_out(event, bounce):
     events = fifteen_trains(simulated(4))
-    found = repair(counted(with_bounces(events, dict.fromkeys(of_each(events, event), bounce))))
-    same(found.events, events)
-    assert table(found) == rows_of_each(events, missed=0, doubled=1, removed=1)
+    repaired = repair(counted(with_bounces(events, dict.fromkeys(of_each(events, event), bounce))))
+    same(repaired.events, events)
+    assert table(repaired) == rows_of_each(events, missed=0, doubled=1, removed=1)
 
 
 def test_the_earlier_of_two_edges_goes_where_it_is_off_the_motion():
@@ -120,9 +120,9 @@ def test_several_faults_in_one_train(sigma_x):
     truth = missing(events, *of_each(events, 2, 18, 19, 28, -2))
     bounces = {0: 0.5e-3, 8: 1e-3, 26: 2e-3, 30: 2e-3}  # of the rows that are left
     bounces = {row: bounce for at, bounce in bounces.items() for row in of_each(truth, at)}
-    found = repair(counted(with_bounces(truth, bounces)))
-    same(found.events, truth)
-    assert table(found) == rows_of_each(events, missed=5, doubled=4, removed=4)
+    repaired = repair(counted(with_bounces(truth, bounces)))
+    same(repaired.events, truth)
+    assert table(repaired) == rows_of_each(events, missed=5, doubled=4, removed=4)
 
 
 def test_a_fault_beside_another_trial_and_sensor_stays_there():

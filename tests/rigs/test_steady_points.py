@@ -116,19 +116,19 @@ def viscous_diagnosed(viscous):
 
 
 def test_a_joint_with_viscous_friction_is_named_with_its_slope(viscous, viscous_diagnosed):
-    found = explained(viscous_diagnosed)
-    assert found.verdict == "named"
-    (cause,) = found.causes
+    explanation = explained(viscous_diagnosed)
+    assert explanation.verdict == "named"
+    (cause,) = explanation.causes
     assert cause.effect == "viscous"
     assert cause.parameters["slope"].unit == "s/rad"
     assert "cable" not in cause.sentence
     # The settings that are stored have the priors of the joint, so that a rerun has them too.
-    stored, trials = checked_analysis(found.analysis, "stored").priors, trials_of(viscous)
+    stored, trials = checked_analysis(explanation.analysis, "stored").priors, trials_of(viscous)
     (own,) = trials.own_priors.values()
     (size,) = trials.own_priors
     assert own.c1 is not None
     assert stored.pulleys[size].c1 == own.c1 != stored.c1
-    again = with_own_priors(checked_analysis(found.analysis, "stored"), [trials])
+    again = with_own_priors(checked_analysis(explanation.analysis, "stored"), [trials])
     assert again.priors.pulleys == stored.pulleys
 
 
@@ -143,15 +143,15 @@ def test_cold_grease_without_a_thermometer_may_be_wear_as_well(tmp_path):
 
 def test_a_share_of_friction_is_told_where_no_load_was_recorded(viscous_diagnosed):
     """Without a load no friction grows with one: a constant is all of it, and is told."""
-    found = viscous_diagnosed
-    assert list(found.law) == ["c2"]
-    constant = found.law["c2"].after
+    diagnosed = viscous_diagnosed
+    assert list(diagnosed.law) == ["c2"]
+    constant = diagnosed.law["c2"].after
     assert abs(constant.mean - 8.0) < 4 * constant.sd
     assert constant.sd < 0.1
-    assert found.gap.no_share is None
+    assert diagnosed.gap.no_share is None
     # What a constant cannot take up of 3 N·m s/rad at 0.1 to 2 rad/s, beside the law's 8 N·m.
     share = 3.0 * np.linspace(0.1, 2.0, 15).std() / 8.0
-    assert found.gap.before.mean / found.gap.friction_rms == pytest.approx(share, rel=0.05)
+    assert diagnosed.gap.before.mean / diagnosed.gap.friction_rms == pytest.approx(share, rel=0.05)
 
 
 @pytest.mark.nightly

@@ -25,7 +25,6 @@ def verdict_line(record: DiagnosisFile) -> Notice:
     """
     open_still = record.verdict == "undecided" and record.possible
     off = _off_today(record)
-    biased = record.verdict == "no-gap" and not record.joints and biased_numbers(record)
     verdict = Strong(f"{_headline(record)}.")
     begun: list[Inline] = [verdict, " "]
     said = _with_meanings(record)
@@ -35,7 +34,7 @@ def verdict_line(record: DiagnosisFile) -> Notice:
     elif off:
         begun = [Strong(off), " ", *begun]
     return Notice(
-        "attention" if off or biased else box(record),
+        "attention" if off or _is_biased(record) else box(record),
         [
             *begun,
             f"{said} ",
@@ -55,12 +54,17 @@ def _headline(record: DiagnosisFile) -> str:
     said = VERDICTS[record.verdict]
     if record.joints:
         return said
-    if record.verdict == "no-gap" and biased_numbers(record):
+    if _is_biased(record):
         return f"{said}, but the coefficients of the law alone are biased"
     is_certain = record.gap.probability_above_practical >= RULES.sure
     if record.verdict == "undecided" and is_certain and not record.causes:
         return "There is a gap; its cause is undecided"
     return said
+
+
+def _is_biased(record: DiagnosisFile) -> bool:
+    """Tell whether the law alone leaves no gap because its coefficients absorb a force."""
+    return record.verdict == "no-gap" and not record.joints and bool(biased_numbers(record))
 
 
 def _measure_next(record: DiagnosisFile) -> Iterator[str]:
