@@ -15,13 +15,14 @@ from bayesfric.diagnosis.concluded import Conclusion, Measured
 from bayesfric.diagnosis.entering import numbers_to_enter
 from bayesfric.diagnosis.examined import examined_effects, no_effects
 from bayesfric.diagnosis.gravity import NOT_APART, by_gravity, gravity_hides_inertia
+from bayesfric.diagnosis.held_out_sentence import held_out_words
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.instrumental import by_the_instrument, causes_by_the_instrument
 from bayesfric.diagnosis.judging import Judged
 from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.question import Question
-from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
+from bayesfric.diagnosis.sentence import Statement, sentence_of
 from bayesfric.diagnosis.shipped import held_values, shipped_numbers
 from bayesfric.diagnosis.showing import window_words
 from bayesfric.diagnosis.simulated import simulator_used

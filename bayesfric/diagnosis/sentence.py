@@ -1,16 +1,15 @@
-"""The verdict in a sentence, and the result on held-out data in another."""
+"""The verdict in a sentence."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from bayesfric.diagnosis.held_out_sentence import removed_words
 from bayesfric.diagnosis.verdict import Verdict
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.probabilities import ALL_BUT, PAST_ALL, WIDE, stated, two_digits
-from bayesfric.schemas.base import Interval
+from bayesfric.probabilities import stated, two_digits
 from bayesfric.schemas.causes import IMPLAUSIBLE, LEFT_OVER, Cause, Unseparated
-from bayesfric.schemas.gap import Axis, Gap, GapRow
+from bayesfric.schemas.gap import Axis, Gap
 
-ROUGH = 0.2  # width of a share's interval from which it counts as not determined
 PULLS = {
     False: (
         "other joints, which may have moved and are not in the log",
@@ -141,73 +140,6 @@ def sentence_of(statement: Statement) -> str:
     return words[statement.verdict](statement)
 
 
-def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = None) -> str:
-    """Return a sentence on the held-out data, also if they determine nothing.
-
-    Parameters
-    ----------
-    gap : Gap
-        The gap in the form that is stored.
-    causes : sequence of Cause
-        Effects that these data test.
-    verdict : str or None
-        Verdict of the preceding sentence (:func:`sentence_of`). After the share of a named
-        cause, the sentence says which of the two shares to rely on.
-    """
-    if not gap.held_out:
-        return "No data could be held out: without them nothing would be left to fit."
-    row = gap.held_out[0]
-    them = "it" if len(causes) == 1 else "them"
-    if causes and verdict == "named" and gap.shrink is not None and gap.shrink_of_model is not None:
-        return _beside_the_model(gap.shrink, gap.shrink_of_model, row, gap.unit)
-    if causes and gap.shrink is not None:
-        past = "; values above 100% come from scatter" if gap.shrink.q95 > PAST_ALL else ""
-        which = " and ".join(cause.effect for cause in causes) if verdict == "unknown" else them
-        return (
-            f"On data that the fit has not seen, adding {which} removes {_share(gap.shrink)} of "
-            f"the gap (mean square{past})."
-        )
-    if causes and verdict != "no-gap":  # without a gap nothing is to be removed
-        removes = "it removes" if len(causes) == 1 else "they remove"
-        return (
-            f"How much of the gap {removes} on data that the fit has not seen is unknown: "
-            f"{gap.shrink_why}."
-        )
-    before, floor = two_digits(row.before.q50), two_digits(row.floor.q50)
-    off = f"On data that the fit has not seen the law is off by {before} {gap.unit} rms"
-    if row.before.q50 <= row.floor.q50:
-        return f"{off}, no more than scatter alone makes ({floor} {gap.unit} on average)."
-    if row.below_floor <= 1 - RULES.above_floor:
-        scatter = f"scatter alone makes {floor} {gap.unit} on average"
-        return f"{off}; {scatter}, a difference that chance does not explain."
-    return (
-        f"On data that the fit has not seen the law is off by {_ends(row.before)} {gap.unit} rms; "
-        f"scatter alone makes {_ends(row.floor)} {gap.unit} rms (90% intervals). The "
-        f"two are consistent (p = {stated(row.below_floor)})."
-    )
-
-
-def _ends(interval: Interval) -> str:
-    return f"{two_digits(interval.q05)} to {two_digits(interval.q95)}"
-
-
-def _beside_the_model(measured: Interval, inferred: Interval, row: GapRow, unit: str) -> str:
-    """Return a sentence on the held-out share, and which share to rely on."""
-    on_unseen = f"On data that the fit has not seen, {_share(measured)} is removed"
-    if measured.q95 < inferred.q05:
-        return (
-            f"{on_unseen}. Rely on this lower figure: {_middle(inferred)} is the model's own "
-            "estimate, from the data that it was fitted to."
-        )
-    if measured.q95 - measured.q05 < ROUGH:
-        return f"{on_unseen}, which confirms this."
-    return (
-        f"{on_unseen}: a consistent but rough figure, since scatter alone makes "
-        f"{two_digits(row.floor.q50)} {unit} rms there. Rely on the {_middle(inferred)}, which the "
-        "model has freed of scatter."
-    )
-
-
 def acting_words(effects: Sequence[Cause], unseparated: Sequence[Unseparated]) -> str:
     """Return words that effects act, with the effects that this rig cannot distinguish."""
     names = {effect.effect for effect in effects}
@@ -226,7 +158,7 @@ def acting_words(effects: Sequence[Cause], unseparated: Sequence[Unseparated]) -
 def _no_gap(statement: Statement) -> str:
     absorbed = (
         f" Of the listed effects, {statement.acting}. The recalibrated law absorbs most of this "
-        "force, which may bias the coefficients."
+        "force, so its coefficients include part of it."
         if statement.causes
         else ""
     )
@@ -368,7 +300,7 @@ def _named(statement: Statement) -> str:
     if statement.rivals:
         beside = f" One of {statement.rivals} acts beside {them}; these data cannot tell which."
     if statement.gap.shrink_of_model is not None:
-        removed = _share(statement.gap.shrink_of_model)
+        removed = removed_words(statement.gap.shrink_of_model)
         gone = f"adding {them} removes {removed} of this systematic gap (mean square)"
         without = f" Without {them} the simulation is systematically off by {statement.size}"
         shrunk = f"{without}; {gone}."
@@ -382,16 +314,3 @@ def _below(statement: Statement, less: str, make: str) -> str:
     ):
         return "which makes no gap" if len(statement.present) == 1 else f"which {make} no gap"
     return f"{'each ' if len(statement.present) > 1 else ''}{less}"
-
-
-def _middle(share: Interval) -> str:
-    return f"{min(share.q50, ALL_BUT):.1%}"
-
-
-def _share(shrink: Interval) -> str:
-    """Return a share with its interval as stored, which may exceed 100 % by chance."""
-    if shrink.q05 >= ALL_BUT and shrink.q95 <= PAST_ALL:
-        return f"more than {ALL_BUT:.1%}"
-    digits = 0 if shrink.q95 - shrink.q05 >= WIDE else 1
-    low, middle, high = (f"{end:.{digits}%}" for end in (shrink.q05, shrink.q50, shrink.q95))
-    return f"{middle} [{low}, {high}]"

@@ -52,6 +52,9 @@ class EffectParameter:
         highest plausible value, and their source.
     joint_prior : Prior or None
         For a driven axis, the prior instead of `prior`; None: `prior`.
+    by_law : mapping of str to str
+        By variant of the effect, the meaning in that variant alone; empty if one meaning serves
+        all.
     """
 
     name: str
@@ -63,6 +66,11 @@ class EffectParameter:
     typical: float | None = None
     on_joints: tuple[float, float, str] | None = None
     joint_prior: Prior | None = None
+    by_law: Mapping[str, str] = field(default_factory=dict)
+
+    def meaning_in(self, law: str) -> str:
+        """Return the meaning in one variant of the effect."""
+        return self.by_law.get(law, self.meaning)
 
 
 @dataclass(frozen=True)

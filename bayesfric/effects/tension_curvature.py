@@ -47,6 +47,14 @@ EFFECT = Effect(
         reference="argued from contact laws, whose exponents lie a third around one: a point "
         "contact's area grows as load to 2/3, a ball's rolling moment as load to 4/3 "
         "(Johnson, Contact Mechanics, 1985)",
+        by_law={
+            "quadratic": "curvature a: the friction that grows with tension T is multiplied by "
+            "1 + a (T/16.5 N − 1)",
+            "apart-from-wrap": "curvature a: n c₁ T, the friction that grows with tension at 85°, "
+            "grows by the share a (T/16.5 N − 1)",
+            "power": "curvature a: the friction that grows with tension T is multiplied by "
+            "(T/16.5 N)ᵃ",
+        },
     ),
     laws={"quadratic": _quadratic, "apart-from-wrap": _apart_from_wrap, "power": _power},
     edge={"tension_n": 33.0},

@@ -54,7 +54,8 @@ def beyond_the_draws(shaft: LoopAtShaft, given: Assembly, posterior: Posterior) 
         (stage, run) for stage, cable in enumerate(shaft.stages) for run in range(len(cable.runs))
     ]
     for (_, run), (stage, place) in zip(shaft.loop.every_run, where, strict=True):
-        name = f"run {place + 1}" + (" of the second stage" if stage else "")
+        which = f"run {place + 1}{' of the second stage' if stage else ''}"
+        name = f"{which} ({run.pulley_size} pulleys)"
         tested = posterior.tested.get(run.pulley_size, {})
         angles = np.asarray(run.angles_deg)
         if "wrap_angle_deg" in tested:

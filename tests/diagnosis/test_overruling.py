@@ -14,6 +14,7 @@ from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.answer import is_named
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.held_out_density import BlockDensities
+from bayesfric.diagnosis.held_out_sentence import held_out_words
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.overruling import (
     accounts_for_residual,
@@ -23,7 +24,7 @@ from bayesfric.diagnosis.overruling import (
     why_beyond_rivals,
     why_overruled,
 )
-from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
+from bayesfric.diagnosis.sentence import Statement, sentence_of
 from bayesfric.diagnosis.stored import excess_of
 from bayesfric.diagnosis.verdict import KnownEffect
 from bayesfric.diagnosis.weighing import Weighed

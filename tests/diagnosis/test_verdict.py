@@ -11,8 +11,9 @@ from bayesfric.diagnosis import remainder
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.forms import FormShare
+from bayesfric.diagnosis.held_out_sentence import held_out_words
 from bayesfric.diagnosis.remainder import left_matters, remainder_of
-from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
+from bayesfric.diagnosis.sentence import Statement, sentence_of
 from bayesfric.diagnosis.showing import window_words
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import KnownEffect, decide, sets_of_one, sort_effects
@@ -226,6 +227,9 @@ def test_the_sentence_says_what_data_held_out_say():
     within = held_out_words(open_still, ())
     assert within.startswith("On data that the fit has not seen the law is off by 0.0")
     assert within.endswith("(90% intervals). The two are consistent (p = 0.40).")
+    refitted = held_out_words(open_still, viscous, "no-gap")
+    assert "N rms (refitted with viscous: 0.0" in refitted
+    assert refitted.endswith(" The law's error and scatter are consistent (p = 0.40).")
     assert held_out_words(gap, ()).endswith("a difference that chance does not explain.")
     below = nothing.model_copy(update={"floor": nothing.before})
     assert held_out_words(gap.model_copy(update={"held_out": (below,)}), ()).endswith(

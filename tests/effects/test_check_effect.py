@@ -90,3 +90,9 @@ def test_an_effect_goes_to_another_process_and_comes_back(name):
     """Claims and campaigns send effects to their workers."""
     effect = all_effects(None)[name]
     assert list(pickle.loads(pickle.dumps(effect)).laws) == list(effect.laws)
+
+
+def test_meanings_by_variant_are_of_variants_that_exist():
+    for effect in all_effects(None).values():
+        for parameter in effect.parameters:
+            assert set(parameter.by_law) <= set(effect.laws)

@@ -42,14 +42,18 @@ def test_pulleys_draws_and_peak_tensions_outside_are_counted(tmp_path):
     given = draw_assembly(one, law, RigDiscrepancy(0.0, ""), seed=1)
     at = at_shaft(one, given)
     said = "; ".join(beyond_the_draws(at, given, law))
-    assert "3 of 5 pulleys of run 1 are wrapped by 5° to 300°, tested 50° to 135°" in said
+    assert (
+        "3 of 5 pulleys of run 1 (small pulleys) are wrapped by 5° to 300°, tested 50° to 135°"
+        in said
+    )
     above = (given["runs.0.tension_n"] > 33.0).mean()
     assert f"outside of the tested 5 to 33 N in {above:.0%} of the draws" in said
     # without load and acceleration a side's peak has half of all friction more
     peak = (given["runs.0.tension_n"] + at.stages[0].runs[0].loop / 2 > 33.0).mean()
     assert peak > above
     assert (
-        f"in {peak:.0%} of the draws the fastest motion raises the tension of run 1 above" in said
+        f"in {peak:.0%} of the draws the fastest motion raises the tension of run 1 (small pulleys)"
+        in said
     )
     assert " above 33 N, the highest tension at which friction was measured" in said
     calm = loop()
@@ -73,7 +77,10 @@ def test_draws_by_walker_of_an_earlier_version_are_read_alike(tmp_path):
 def test_it_is_the_first_thing_that_is_said(tmp_path):
     draws = with_ranges(tmp_path / "draws.nc")
     (found,) = compute_margins([loop({"runs.0.tension_n": 40.0})], draws).summary.loops
-    assert ". Beyond what was measured: the tension of run 1 is outside" in found.answer
+    assert (
+        ". Beyond what was measured: the tension of run 1 (small pulleys) is outside"
+        in found.answer
+    )
     (found,) = compute_margins([loop()], draws).summary.loops
     assert "Beyond" not in found.answer
 

@@ -83,8 +83,10 @@ def test_page_one_says_which_claims_fell(stored):
     assert refuted.startswith("Refuted: A statement. ")
     assert refuted.endswith("The reason of linear-in-tension.")
     assert open_still == "Undecided: a statement."
-    many = [one.model_copy(update={"verdict": "undecided"}) for one in stored.record.claims]
-    listed = fallen(stored.record.model_copy(update={"claims": tuple((many * 5)[:5])}))
+    several = [claim.model_copy(update={"verdict": "undecided"}) for claim in stored.record.claims]
+    six = fallen(stored.record.model_copy(update={"claims": tuple((several * 6)[:6])}))
+    assert words(six.points[0]).count("a statement") == 6
+    listed = fallen(stored.record.model_copy(update={"claims": tuple((several * 7)[:7])}))
     assert words(listed.points[0]).startswith("Undecided: linear in tension, ")
     lacking = fallen(stored.record, "viscous")
     assert "These verdicts rest on laws without viscous" in words(lacking.text)

@@ -173,6 +173,18 @@ def test_a_named_board_says_which_numbers_to_use():
     assert words(table.rows[0][0]) == "small"
 
 
+def test_a_parameter_means_what_it_means_in_the_variant_that_was_found():
+    law = {"c2[small]": LawNumber(unit="N", before=interval(0.0439), after=interval(0.0261))}
+    (slope,) = cause("viscous").parameters.values()
+    curvature = {"curvature": slope.model_copy(update={"unit": "1"})}
+    curved = cause("tension-curvature", law="power", parameters=curvature)
+    record = stored_diagnosis().record.model_copy(update={"law": law, "causes": (curved,)})
+    _, parameters = numbers_to_use(record)
+    said = words(parameters.text)
+    assert "is multiplied by (T/16.5 N)ᵃ" in said
+    assert "a (T/16.5 N − 1)" not in said
+
+
 def test_sizes_stand_in_their_usual_order():
     found = stored_diagnosis().record
     number = LawNumber(unit="1", before=interval(0.01), after=interval(0.01))
@@ -191,6 +203,14 @@ def test_a_named_board_says_what_and_how_much_at_a_glance():
     )
     assert told["Where does it lie?"] == "along velocity (share 0.62 [0.57,\u00a00.67])"
     assert "mass drive 1.85\u202fkg" in told["What to measure next?"]
+
+
+def test_a_larger_error_on_held_out_data_stands_beside_the_gap_at_a_glance():
+    gap = stored_diagnosis().record.gap
+    far = gap.model_copy(update={"held_out_excess": 1.38})
+    said = "held-out data are off by 1.4\u202fN rms beyond scatter"
+    assert said in glance(stored_diagnosis(gap=far))["How large is the systematic gap?"]
+    assert said not in glance(stored_diagnosis())["How large is the systematic gap?"]
 
 
 @pytest.mark.parametrize(("share", "leads"), [(0.5, False), (0.1, True)])

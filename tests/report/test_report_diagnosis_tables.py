@@ -213,6 +213,9 @@ def test_remainder_effects_and_next_experiment_are_the_stored_ones():
     told = paragraphs(stored_diagnosis(remainder=asked))
     assert "The evidence favours" in told
     assert "It would make up 50.0 [45.9, 54.1]\u202f% of the squared gap" in told
+    point = interval(0.5).model_copy(update={"q05": 0.5, "q95": 0.5})
+    without_width = asked.model_copy(update={"share_of_gap": point})
+    assert "make up 50\u202f% of the" in paragraphs(stored_diagnosis(remainder=without_width))
     whole = asked.model_copy(update={"share_of_gap": None, "share_of_gap_why": "no cause"})
     more = asked.model_copy(update={"share_of_gap": interval(1.64)})
     told = paragraphs(stored_diagnosis(remainder=more))

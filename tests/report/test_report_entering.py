@@ -6,7 +6,7 @@ import xarray as xr
 from report.diagnosis_sample import PROVENANCE, diagnosis, interval, words
 
 from bayesfric.attention.diagnosis import of_diagnosis
-from bayesfric.diagnosis.sentence import held_out_words
+from bayesfric.diagnosis.held_out_sentence import held_out_words
 from bayesfric.export.entered import entered_lines
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import to_svg

@@ -22,6 +22,7 @@ from bayesfric.plots.margins import (
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.gain import gain_figures, gain_lines
 from bayesfric.report.chapters.margins import margins
+from bayesfric.report.chapters.specs import spec_table
 from bayesfric.report.content import Heading, Notice, Paragraph, Strong, Table
 from bayesfric.report.stored import StoredResults, read_stored
 from bayesfric.report.writing import write_report
@@ -141,6 +142,18 @@ def test_page_one_has_what_is_allowed_beside_how_probably_it_is_missed(computed)
     assert set(allowed.values()) == {"0.1"}
     assert "“γ from which it hunts” must be at least the γ that is set; its own" in specs.note
     assert "A simulated γ may be off by 0.01 or 5\u202f%, whichever is more;" in specs.note
+    assert "do not show hunting" not in specs.note
+
+
+def test_specs_of_linear_margins_say_that_these_do_not_show_hunting(computed):
+    bench = computed.summary.loops[0]
+    with_spec = tuple(
+        metric.model_copy(update={"spec": 2.0}) if metric.name == "gain_margin" else metric
+        for metric in bench.metrics
+    )
+    changed = bench.model_copy(update={"metrics": with_spec})
+    (specs,) = spec_table(computed.summary.model_copy(update={"loops": (changed,)}), "")
+    assert specs.note.endswith("delay margins leave friction out: they do not show hunting.")
 
 
 def test_specs_at_the_safe_gain_stand_beside_those_at_the_gain_of_the_file(tmp_path):

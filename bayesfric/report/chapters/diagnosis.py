@@ -98,6 +98,9 @@ def _at_a_glance(record: DiagnosisFile) -> Table:
     if gap.no_share is not None:
         large = f"{_force(gap.systematic, gap.unit)}; as a share of friction it is unknown, "
         large += f"since {gap.no_share}"
+    if gap.held_out_excess > gap.systematic.q95:
+        unseen = format_number(gap.held_out_excess, 2, unit=gap.unit)
+        large += f"; held-out data are off by {unseen} rms beyond scatter"
     rows: list[list[Text]] = [
         ["How large is the systematic gap?", large],
         ["Which effect causes it?", _caused(record)],

@@ -211,11 +211,11 @@ def remainder(diagnosis: DiagnosisFile) -> Iterator[Block]:
                 100 * q
                 for q in (rest.share_of_gap.q05, rest.share_of_gap.q50, rest.share_of_gap.q95)
             )
+            share = f"{middle:.0f}" if low == high else format_interval(middle, low, high)
             said += (
                 " It would be at least as large as the gap."
                 if middle > 100
-                else f" It would make up {format_interval(middle, low, high)}\u202f% of the "
-                "squared gap."
+                else f" It would make up {share}\u202f% of the squared gap."
             )
         elif not diagnosis.causes:
             said += " No cause is named, so it is all of the gap."

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from bayesfric.margins.margin_rules import MARGIN_RULES
+from bayesfric.margins.metric_definitions import LINEAR
 from bayesfric.margins.terms import (
     chance_of_missing,
     full_name,
@@ -119,7 +120,7 @@ def spec_table(margins: MarginsFile, said: str) -> Iterator[Table]:
         note=f"{_bold(loops)}“γ from which it hunts” must be at least the γ that is set"
         f"{', which differs between the two columns' * lower}; its own value does not "
         f"depend on that γ.{_of_the_file(loops) if lower else ''}"
-        f"{_simulated(margins, said)}{_below_simulated(margins)}",
+        f"{_simulated(margins, said)}{_below_simulated(margins)}{_without_friction(loops)}",
     )
 
 
@@ -166,6 +167,17 @@ def _below_simulated(margins: MarginsFile) -> str:
         f"{100 * rules.threshold_share:g}\u202f%, whichever is more; the largest safe γ "
         "already includes this error."
     )
+
+
+def _without_friction(loops: Sequence[LoopMargins]) -> str:
+    """Return that linear margins do not show hunting; empty where none of them has a spec."""
+    if not any(
+        metric.spec is not None and metric.name in LINEAR
+        for loop in loops
+        for metric in loop.metrics
+    ):
+        return ""
+    return " Gain, phase, disk and delay margins leave friction out: they do not show hunting."
 
 
 def _judged(loop: LoopMargins, *, lower: bool) -> Iterator[list[Text]]:

@@ -207,7 +207,8 @@ def _parameters(causes: Sequence[Cause], law: Mapping[str, LawNumber]) -> Iterat
         if cause.effect == "viscous" and _dampings(law, (cause,)):
             continue
         effect = examined.get(cause.effect)
-        meanings = {p.name: p.meaning for p in (() if effect is None else effect.parameters)}
+        parameters = () if effect is None else effect.parameters
+        meanings = {p.name: p.meaning_in(cause.law) for p in parameters}
         for name, number in cause.parameters.items():
             yield from (Code(f"{cause.effect}.{name}"), " ")
             yield Strong(f"{plus_minus(number)}\u202f{format_unit(number.unit)}".rstrip())

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from bayesfric.attention.diagnosis import biased_numbers, why_untrusted
-from bayesfric.diagnosis.sentence import held_out_words
+from bayesfric.diagnosis.held_out_sentence import held_out_words
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.plots.labels import axis_words
 from bayesfric.report.chapters.conditions import condition_words
