@@ -182,16 +182,17 @@ def unsettled(
     converged = all(figures.converged for figures in convergence.values())
     open_names = [name for name, entry in entries.items() if converged and not entry.informed]
     if open_names:
+        names = " and ".join(filter(None, [", ".join(open_names[:-1]), open_names[-1]]))
         decide = "its prior decides" if len(open_names) == 1 else "their priors decide"
         beside = all(entries[name].prior_sensitivity is None for name in open_names)
         advice = "; state priors of your own, or measure what they rest on"
         if not beside:
-            yield f"These data hardly inform {', '.join(open_names)}: {decide}{advice}"
+            yield f"These data hardly inform {names}: {decide}{advice}"
             return
         which = "One nuisance parameter" if len(open_names) == 1 else "Nuisance parameters"
         verb = "is" if len(open_names) == 1 else "are"
         yield (
-            f"{which} ({', '.join(open_names)}) {verb} not determined by the data: {decide}; "
+            f"{which} ({names}) {verb} not determined by the data: {decide}; "
             f"{UNAFFECTED}"
         )
 

@@ -150,6 +150,11 @@ def test_no_orange_stands_where_nothing_has_to_be_done(stored):
     (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,), converged=True)))
     assert box.kind == "info"
     assert box.text.endswith("Every other check passed.")
+    other = line.replace("tau", "omega")
+    both = changed(stored, attention=(line, other), converged=True)
+    (box,) = page_one.worries(StoredResults(both))
+    assert box.text == "2 remarks, of which none asks for action. Every other check passed."
+    assert len(box.points) == 2
     both = (line, "1 of 48 trials left out")
     boxes = list(page_one.worries(StoredResults(changed(stored, attention=both, converged=True))))
     assert [box.kind for box in boxes] == ["attention", "info"]

@@ -312,7 +312,11 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     if harmless:
         passed = fit is not None and fit.converged and not heeded
         rest = ["Every other check passed."] if passed else []
-        yield Notice("info", " ".join([*harmless, *rest]))
+        if len(harmless) == 1:
+            yield Notice("info", " ".join([*harmless, *rest]))
+        else:
+            begun = f"{len(harmless)} remarks, of which none asks for action."
+            yield Notice("info", " ".join([begun, *rest]), points=harmless)
     if not lines and fit is None and diagnosed is not None and is_sound(diagnosed.record):
         yield Notice(
             "good",
