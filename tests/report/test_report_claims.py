@@ -84,10 +84,8 @@ def test_page_one_says_which_claims_fell(stored):
     assert refuted.endswith("The reason of linear-in-tension.")
     assert open_still == "Undecided: a statement."
     several = [claim.model_copy(update={"verdict": "undecided"}) for claim in stored.record.claims]
-    six = fallen(stored.record.model_copy(update={"claims": tuple((several * 6)[:6])}))
-    assert words(six.points[0]).count("a statement") == 6
-    listed = fallen(stored.record.model_copy(update={"claims": tuple((several * 7)[:7])}))
-    assert words(listed.points[0]).startswith("Undecided: linear in tension, ")
+    listed = fallen(stored.record.model_copy(update={"claims": tuple((several * 5)[:5])}))
+    assert words(listed.points[0]).startswith("Undecided: linear-in-tension, ")
     lacking = fallen(stored.record, "viscous")
     assert "These verdicts rest on laws without viscous" in words(lacking.text)
     assert "The reason of" not in words(lacking.points[0])

@@ -45,7 +45,7 @@ FAMILIES = {
 
 
 TITLE = "Claims of Miyasaka et al. (2015)"
-MOST_STATED = 6  # claims of a verdict whose statements have room on page one
+MOST_STATED = 4  # claims of a verdict whose statements have room on page one
 
 
 def fallen(judged: ClaimsFile, lacking: str = "") -> Notice:
@@ -89,14 +89,10 @@ def _stated(verdict: str, claims: Sequence[ClaimResult]) -> Iterator[list[Inline
     """Yield what the claims of a verdict state, or their names where these are many."""
     stated = [claim.statement.removesuffix(".") for claim in claims]
     if len(claims) > MOST_STATED:
-        yield [Strong(f"{verdict}:"), f" {', '.join(_name(claim) for claim in claims)}."]
+        names = [part for claim in claims for part in (", ", Code(claim.id))][1:]
+        yield [Strong(f"{verdict}:"), " ", *names, ", each stated in ", Reference("claims"), "."]
     elif stated:
         yield [Strong(f"{verdict}:"), f" {'; '.join(_inside(text) for text in stated)}."]
-
-
-def _name(claim: ClaimResult) -> str:
-    """Return the name of a claim as words."""
-    return claim.id.replace("-", " ")
 
 
 def _inside(statement: str) -> str:

@@ -111,7 +111,7 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
             diagnosis.verdict, "The best numbers while the verdict is open"
         )
         of_fit = "" if alone else " The chapters on the fit describe the law alone."
-        biased = _biased_words(biased_numbers(diagnosis), causes)
+        biased = _biased_words(diagnosis, causes)
         yield _with_causes(title, diagnosis.law, causes, f"{biased}{of_fit}", formula)
         if beside := list(_parameters(causes, diagnosis.law)):
             yield Paragraph(beside)
@@ -156,15 +156,16 @@ def _with_causes(
     ).filled()
 
 
-def _biased_words(biased: Mapping[str, LawNumber], causes: Sequence[Cause]) -> str:
-    """Return what the law alone has wrong, in sentences."""
+def _biased_words(diagnosis: DiagnosisFile, causes: Sequence[Cause]) -> str:
+    """Return how many coefficients the law alone has wrong; the attention list names them."""
+    biased = len(biased_numbers(diagnosis))
     names = " and ".join(cause.effect for cause in causes)
     alone = f"Law alone: fitted without {names}, so its coefficients absorb part of that force"
     if not biased:
         return f"{alone}; none is biased beyond its error."
     return (
-        f"{alone}; {', '.join(biased)} {'is' if len(biased) == 1 else 'are'} biased by more "
-        f"than {APART:g} combined standard deviations."
+        f"{alone}; {biased} of {len(diagnosis.law)} {'is' if biased == 1 else 'are'} biased by "
+        f"more than {APART:g} combined standard deviations."
     )
 
 
