@@ -85,9 +85,9 @@ def _results() -> str:
         "# Rules that every result obeys",
         "",
         "A stored result obeys the rules below for any data. If a result breaks a rule, the",
-        "computation is wrong. A diagnosis then lists this in `checks` and `attention`, and its",
-        "verdict is `undecided`. `bayesfric report` checks every file that it reads. Your own",
-        "test or CI job can check a file, too:",
+        "computation is wrong. `diagnosis.json` then lists the broken rule in `checks` and",
+        "`attention`, and the verdict is `undecided`. `bayesfric report` checks every file that",
+        "it reads. Your own test or CI job can check a file, too:",
         "",
         "```python",
         "from bayesfric.testing import check_result",
@@ -341,8 +341,8 @@ def _claims() -> str:
         if claim.instead is not None:
             lines.append(
                 "- If the recording has no gravity board, the claim is judged on friction at "
-                "constant speed. This friction comes from a motor board, or from friction points "
-                "whose table has all the columns that the claim uses."
+                "constant speed: on the data of a motor board, or on friction points if their "
+                "table has all columns that the claim uses."
             )
         if not claim.about_these_data:
             lines.append("- It depends on the paper's numbers or on priors, not on a recording.")

@@ -102,7 +102,7 @@ def decide(
     inside = f"Table I lies within the posterior (joint tail probability {tail:.2f})"
     if uninformed:
         names = ", ".join(uninformed)
-        return "undecided", f"{inside}, but these data leave {names} to the prior."
+        return "undecided", f"{inside}, but the prior, not these data, determines {names}."
     if probability >= rules.support_probability:
         return "supported", f"{inside}; {within}."
     return "undecided", f"{inside}, which is too wide to decide: {within}."

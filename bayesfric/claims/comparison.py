@@ -302,8 +302,8 @@ def _favoured(
         )
     if lowest >= rules.support_over_width_log10_bayes_factor:
         return "supported", (
-            f"The data favour the claim {odds(log10)} and leave an effect of at most "
-            f"{share(upper_bound)} of friction."
+            f"The data favour the claim {odds(log10)}. The rival's effect is at most "
+            f"{share(upper_bound)} of friction (95 %)."
         )
     return "undecided", (
         f"The odds for the claim, {odds(log10)}, fall to {odds(lowest)} as the width "
@@ -318,8 +318,8 @@ def _disfavoured(
     matters = beyond >= rules.refute_effect_probability
     if not matters:
         return "undecided", (
-            f"{best} is favoured {odds(-log10)}, but is too small to matter: probability "
-            f"{beyond:.2f} of more than {share(rules.region_of_equivalence)} of friction."
+            f"{best} is favoured {odds(-log10)}, but may be too small to matter: it exceeds "
+            f"{share(rules.region_of_equivalence)} of friction with probability {beyond:.2f}."
         )
     if highest > rules.refute_log10_bayes_factor:
         return "undecided", (

@@ -16,12 +16,12 @@ process of its own. It writes this page from `reports/evidence/benchmark.json`.
   size. "From cold" is the time to 4,000 effective draws, including imports, compilation and
   tuning.
 - **The limit** is importance sampling from the Laplace fit. We take its speed as an upper limit,
-  because its draws are independent. In its rows, "peer" means importance sampling, and the ratio
-  is the speed of `fit` over that of importance sampling.
-- **Peers** get the same sufficient statistics. Their settings are their defaults; their authors
-  did not tune them. Their density is written in JAX by this project and is not optimised. A
-  faster implementation of the peer may exist. A peer whose chains have an R-hat above 1.05 is
-  shown but not compared.
+  because its draws are independent. In the rows "share of the limit", "peer" means importance
+  sampling, and the ratio is the speed of `fit` over that of importance sampling.
+- **Peers** are samplers of other packages, with the same sufficient statistics and their default
+  settings. The authors of the peers did not tune them for this benchmark. The peers evaluate a
+  log density that this project wrote in JAX and did not optimise, so a peer may be faster with a
+  better implementation. A peer whose chains have an R-hat above 1.05 is shown but not compared.
 - **Ours** is `fit` with `walkers = 1024`, `burn = 10`, `steps = 50` and `thin = 1`. By default,
   `fit` has fewer walkers (40) and keeps more steps of each (140).
 - **Agreement** compares means and standard deviations of all parameters with those of each peer

@@ -74,7 +74,7 @@ def test_a_single_cell_supports_nothing(one_cell):
     found = CLAIM.judge(CLAIM, Case(one_cell, analysis, entered, {}, posterior=posterior))
     assert found.verdict == "undecided"
     assert "c3[small]" in found.figures["uninformed"]
-    assert "to the prior" in found.reason
+    assert "the prior, not these data" in found.reason
 
 
 def test_an_informed_recording_supports_table_1_and_refutes_another():

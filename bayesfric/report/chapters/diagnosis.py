@@ -221,11 +221,11 @@ def _which(record: DiagnosisFile) -> Figure | Paragraph:
     hypotheses: list[Inline] = ["All hypotheses: ", Code("diagnosis.json"), "."]
     if not any(effect.probability > RARE for effect in included):
         none = f"No effect has a posterior probability above {format_probability(RARE)}. "
-        return Paragraph([Strong("Which."), " ", *most, none, *hypotheses])
+        return Paragraph([Strong("Which effect."), " ", *most, none, *hypotheses])
     return Figure(
         svg_of(what_acts, included, record.practical_share),
         [
-            Strong("Which."),
+            Strong("Which effect."),
             " ",
             *most,
             "Left: posterior probability that an effect acts, summed over all hypotheses; dotted "
@@ -250,7 +250,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
     return Figure(
         svg_of(how_far, gap, record.practical_share, trajectories, named),
         [
-            Strong("How far."),
+            Strong("How large."),
             " ",
             *_tuning(gap),
             *_shrink(gap, named, group_words(record.rigs)[1]),

@@ -36,7 +36,7 @@ def diagnostics(stored: StoredFit) -> Iterator[Block]:
         f"means: R-hat below {SAMPLING_RULES.r_hat}, walker by walker below "
         f"{SAMPLING_RULES.r_hat_walkers}, and at least {SAMPLING_RULES.effective_draws:.0f} "
         "effective draws, for every parameter. "
-        f"{'All of that holds here.' if fit.converged else 'Some of that does not hold here.'} "
+        f"{'All of these bounds hold.' if fit.converged else 'Not all of these bounds hold.'} "
         f"{_worst(stored)}"
     )
 
@@ -126,8 +126,8 @@ def _worst(stored: StoredFit) -> str:
     fewest = min(min(entry.ess_bulk, entry.ess_tail) for entry in entries)
     return (
         f"The largest R-hat is {max(entry.r_hat for entry in entries):.4f}, walker by walker "
-        f"{max(entry.r_hat_walkers for entry in entries):.4f}, and the fewest effective draws are "
-        f"{format_count(round(fewest))}."
+        f"{max(entry.r_hat_walkers for entry in entries):.4f}. The smallest effective sample size "
+        f"is {format_count(round(fewest))}."
     )
 
 

@@ -79,8 +79,8 @@ def _pairs(stored: StoredFit, size: str) -> Figure:
         row = table1()[size]
         paper = {"c1": row.c1.value, "c2": row.c2.value, "c3": row.c3.value}
         mark = (
-            "Dashed lines mark the paper's values. They cross inside the contours where data and "
-            "paper agree."
+            "Dashed lines mark the paper's values. If data and paper agree, they cross inside the "
+            "contours."
         )
     return Figure(
         svg_of(coefficient_pairs, drawn, size, paper),

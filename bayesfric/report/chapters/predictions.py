@@ -80,12 +80,12 @@ def _trajectories(stored: StoredFit) -> Iterator[Block]:
     yield Figure(
         svg_of(measured_and_predicted, stored.predictive),
         _caption(
-            "Travel against time of a fast and a slow trial of each size, as in the paper's "
-            "Fig. 11; titles give the condition and the driving and the lifted mass. Dots are "
-            "Hall events of one sensor: some of them in the upper panel, all in the lower one. The "
-            "lower panel has the residual, measured minus predicted median, which should stay "
-            "inside the band. A constant error of friction makes it a parabola from zero; an S or "
-            "a wave means that the law lacks a force.",
+            "Travel against time, as in the paper's Fig. 11: one fast and one slow trial of each "
+            "pulley size. Titles give the condition, the driving mass and the lifted mass. Dots "
+            "are Hall events of one sensor: some of them in the upper panel, all in the lower one. "
+            "The lower panel has the residual, measured minus predicted median, which should stay "
+            "inside the band. A constant error of friction makes this residual a parabola from "
+            "zero; an S or a wave means that the law lacks a force.",
             "trajectories fit without a viscous term, with R² of a trial often above 0.95"
             f"{_least(stored, 'least_trial_r_squared', 'trial')}.",
         ),

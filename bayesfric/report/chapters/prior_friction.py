@@ -78,7 +78,7 @@ def _by_size(table: xr.Dataset, sizes: list[str], moving: bool) -> Table:
         note="Median, and 5 % to 95 % in brackets, over draws of the law and over conditions at "
         "the measured tension, without scatter. Measured: smallest to largest mean of a condition. "
         "Negative: share of prior draws and conditions with friction below zero"
-        + (", which c3 makes at wrap angles far from 85°." if pulleys else ".")
+        + ("; c3 can cause this at wrap angles far from 85°." if pulleys else ".")
         + (
             " Does not move: share of prior draws and conditions in which the drive does not "
             "overcome friction at rest. In some condition: share of prior draws in which at least "
