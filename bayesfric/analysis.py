@@ -93,7 +93,7 @@ Share = Annotated[float, Field(gt=0, lt=1)]
 
 
 class ClaimRules(Section):
-    """When a claim is supported, refuted, or neither.
+    """Rules for the verdict on a claim.
 
     A claim may have rivals: effects that the claim denies. It is refuted where the Bayes
     factor favours a rival, the rival's effect is large enough to matter, and it improves

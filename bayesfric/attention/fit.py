@@ -191,10 +191,7 @@ def unsettled(
             return
         which = "One nuisance parameter" if len(open_names) == 1 else "Nuisance parameters"
         verb = "is" if len(open_names) == 1 else "are"
-        yield (
-            f"{which} ({names}) {verb} not determined by the data: {decide}; "
-            f"{UNAFFECTED}"
-        )
+        yield (f"{which} ({names}) {verb} not determined by the data: {decide}; {UNAFFECTED}")
 
 
 def contradicted(

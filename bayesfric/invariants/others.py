@@ -83,7 +83,7 @@ MARGINS: dict[str, Rule] = {}
 """Rules of ``margins.json``, by name."""
 
 
-@rule(MARGINS, "Every metric with a spec has a probability of missing it, or a reason why not.")
+@rule(MARGINS, "Each metric with a spec has a probability of missing it, or a reason.")
 def _violations_of_specs(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, metric in places(record["loops"], "loops"):

@@ -86,7 +86,7 @@ class SecondStage(Section):
 
     `[[runs]]` and `[cable]` then describe the cable from the motor to the shaft.
     `[[second_stage.runs]]` and `[second_stage.cable]` have the same keys. They describe the cable
-    from the shaft to the joint. Both cables are antagonist pairs.
+    from the shaft to the joint. The runs of both cables are antagonist pairs.
 
     Fields
     ------

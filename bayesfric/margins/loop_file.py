@@ -215,7 +215,7 @@ class Tool(Section):
 
 
 class Spec(Section):
-    """Specifications that the joint must meet; an absent key is not judged.
+    """Specifications that the joint must meet; without a key, its metric has no spec.
 
     Fields
     ------
