@@ -53,12 +53,12 @@ def no_result_contradicts_itself():
     """Hold what is true of every result against each that a test computes."""
 
     def looked_at(record):
-        found = identified(record)
-        faults = broken(check_record(found.model_dump(mode="json", by_alias=True)))
-        told = getattr(found, "checks", ())
+        identified_record = identified(record)
+        faults = broken(check_record(identified_record.model_dump(mode="json", by_alias=True)))
+        checks = getattr(identified_record, "checks", ())
         assert not faults, faults
-        assert all(check.holds for check in told), told
-        return found
+        assert all(check.holds for check in checks), checks
+        return identified_record
 
     with pytest.MonkeyPatch.context() as patch:
         for module in (posterior, pooled, checking, diagnosing, computing):

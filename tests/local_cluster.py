@@ -12,8 +12,8 @@ def local_cluster(workers=2):
     from distributed import LocalCluster
 
     # A worker imports the tests' helpers by name, as a process of a pool does.
-    here = str(Path(__file__).parent)
-    path = os.pathsep.join([here, str(Path(here).parent), os.environ.get("PYTHONPATH", "")])
+    folder = str(Path(__file__).parent)
+    path = os.pathsep.join([folder, str(Path(folder).parent), os.environ.get("PYTHONPATH", "")])
     settings = {"distributed.worker.profile.enabled": False}
     with (
         dask.config.set(settings),

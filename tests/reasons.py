@@ -18,18 +18,18 @@ def unexplained(value: Any, place: str = "") -> list[str]:
     if value is None:
         return [place]
     if isinstance(value, list):
-        return [w for k, one in enumerate(value) for w in unexplained(one, f"{place}/{k}")]
+        return [w for k, item in enumerate(value) for w in unexplained(item, f"{place}/{k}")]
     if not isinstance(value, dict):
         return []
     wrong = []
-    for key, one in value.items():
+    for key, entry in value.items():
         if REASON.search(key) or key in ("analysis", "fields"):
             continue
         why = value.get(f"{key}_why")
-        if why or (one == [] and f"{key}_why" in value):
-            wrong += [f"{place}/{key}"] if bool(why) != (one in (None, [])) else []
+        if why or (entry == [] and f"{key}_why" in value):
+            wrong += [f"{place}/{key}"] if bool(why) != (entry in (None, [])) else []
         else:
-            wrong += unexplained(one, f"{place}/{key}")
+            wrong += unexplained(entry, f"{place}/{key}")
     return wrong
 
 

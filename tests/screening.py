@@ -23,9 +23,9 @@ def screen_claims(recording):
     tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(entered)))
     effects = rival_effects(analysis)
     studied = study_all(tasks, entered.data, analysis, effects, None)
-    found = {}
+    factors = {}
     for claim in claims:
         own, *rivals = (studied[task] for task in claim.tasks(entered))
-        if all(one.evidence is not None for one in (own, *rivals)):
-            found[claim.name] = bayes_factor(own, rivals)
-    return found
+        if all(study.evidence is not None for study in (own, *rivals)):
+            factors[claim.name] = bayes_factor(own, rivals)
+    return factors

@@ -30,8 +30,8 @@ def square(case):
 
 def test_results_are_in_the_order_of_the_cases(tmp_path):
     with ThreadPoolExecutor(2) as executor:
-        found = run_campaign(square, {"b": 2, "a": 3}, tmp_path, executor)
-    assert list(found.items()) == [("b", {"square": 4}), ("a", {"square": 9})]
+        results = run_campaign(square, {"b": 2, "a": 3}, tmp_path, executor)
+    assert list(results.items()) == [("b", {"square": 4}), ("a", {"square": 9})]
     assert json.loads((tmp_path / "a.json").read_text()) == {"square": 9}
 
 
@@ -52,9 +52,9 @@ def test_finished_cases_are_not_run_again(tmp_path):
     ran.clear()
     fatal.clear()
     with ThreadPoolExecutor(1) as executor:
-        found = run_campaign(counted, cases, tmp_path, executor)
+        results = run_campaign(counted, cases, tmp_path, executor)
     assert sorted(ran) == sorted(cases[name] for name in set(cases) - done)
-    assert found["three"] == {"square": 9}
+    assert results["three"] == {"square": 9}
 
 
 def test_progress_starts_from_what_is_done(tmp_path):
@@ -95,8 +95,8 @@ def test_a_dead_process_costs_one_more_try_of_what_it_ran(tmp_path):
     notes.mkdir()
     kinds = {"one": "plain", "two": "dies", "three": "plain", "four": "dies", "five": "plain"}
     cases = {name: (name, notes, kind) for name, kind in kinds.items()}
-    found = run_on_processes(on_worker, cases, tmp_path / "done", 1)
-    assert list(found.values()) == [{"name": name} for name in cases]
+    results = run_on_processes(on_worker, cases, tmp_path / "done", 1)
+    assert list(results.values()) == [{"name": name} for name in cases]
     assert [len(tries_of(notes, name)) for name in cases] == [1, 2, 1, 2, 1]
 
 
@@ -164,9 +164,9 @@ def test_a_cluster_of_processes_survives_the_death_of_one(tmp_path):
         killer = threading.Thread(target=kill)
         killer.start()
         with cluster(address) as executor:
-            found = run_campaign(on_worker, cases, tmp_path / "done", executor)
+            results = run_campaign(on_worker, cases, tmp_path / "done", executor)
         killer.join()
-    assert list(found) == list(cases)
+    assert list(results) == list(cases)
     assert len(set(tries_of(notes, "waiting"))) == 2  # two processes had it
     assert len({pid for name in cases for pid in tries_of(notes, name)}) >= 2
 
@@ -195,6 +195,6 @@ def refuse(case):
 
 
 def test_faults_of_input_come_back_from_a_worker_as_they_were():
-    with processes(1) as executor, pytest.raises(InputError) as found:
+    with processes(1) as executor, pytest.raises(InputError) as caught:
         executor.submit(refuse, 3).result()
-    assert found.value.faults == (Fault("board.csv", "a number", row=3, value="x"),)
+    assert caught.value.faults == (Fault("board.csv", "a number", row=3, value="x"),)

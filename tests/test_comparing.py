@@ -32,11 +32,11 @@ def change(path, edit):
 
 
 def test_the_same_run_twice_differs_in_nothing(runs):
-    found = explained(compare(runs / "a", runs / "b"))
-    assert found.same
-    assert found.flips == found.settings == ()
-    assert {one.shift for one in found.shifts} <= {0.0, None}
-    assert comparison_text(found) == ["no difference: fit.json, claims.json, diagnosis.json"]
+    comparison = explained(compare(runs / "a", runs / "b"))
+    assert comparison.same
+    assert comparison.flips == comparison.settings == ()
+    assert {shift.shift for shift in comparison.shifts} <= {0.0, None}
+    assert comparison_text(comparison) == ["no difference: fit.json, claims.json, diagnosis.json"]
 
 
 def test_a_shift_is_in_standard_deviations_of_both(runs):
@@ -48,18 +48,22 @@ def test_a_shift_is_in_standard_deviations_of_both(runs):
         c1["sd"] *= 7**0.5
 
     change(runs / "b" / "fit.json", edit)
-    found = explained(compare(runs / "a", runs / "b"))
-    assert not found.same
-    first, second = found.shifts[:2]
+    comparison = explained(compare(runs / "a", runs / "b"))
+    assert not comparison.same
+    first, second = comparison.shifts[:2]
     assert (first.file, first.name) == ("fit.json", "pulleys.small.c1")
     assert first.shift == pytest.approx(1.5)
     assert second.shift == 0.0
-    (line,) = [one for one in comparison_text(found) if "pulleys.small.c1" in one]
+    (line,) = [
+        line_of_text
+        for line_of_text in comparison_text(comparison)
+        if "pulleys.small.c1" in line_of_text
+    ]
     assert "(+1.50 sd)" in line
-    far = found.model_copy(
+    far = comparison.model_copy(
         update={
             "shifts": (
-                found.shifts[0].model_copy(
+                comparison.shifts[0].model_copy(
                     update={
                         "name": "no-stribeck.log10_bayes_factor",
                         "a": -1036.0,
@@ -82,17 +86,17 @@ def test_a_number_without_uncertainty_has_no_shift_and_says_why(runs):
 
     for side in ("a", "b"):
         change(runs / side / "fit.json", edit)
-    found = compare(runs / "a", runs / "b")
-    (one,) = [one for one in found.shifts if one.name == "pulleys.small.c1"]
-    assert one.shift is None
-    assert "no uncertainty" in one.shift_why
+    comparison = compare(runs / "a", runs / "b")
+    (coefficient,) = [shift for shift in comparison.shifts if shift.name == "pulleys.small.c1"]
+    assert coefficient.shift is None
+    assert "no uncertainty" in coefficient.shift_why
 
 
 def test_flips_and_settings_are_told(runs):
     def claim(content):
-        for one in content["claims"]:
-            if one["id"] == "no-stribeck":
-                one["verdict"] = "refuted"
+        for entry in content["claims"]:
+            if entry["id"] == "no-stribeck":
+                entry["verdict"] = "refuted"
 
     def settings(content):
         content["seed"] = 7
@@ -101,27 +105,31 @@ def test_flips_and_settings_are_told(runs):
 
     change(runs / "b" / "claims.json", claim)
     change(runs / "b" / "diagnosis.json", settings)
-    found = compare(runs / "a", runs / "b")
+    comparison = compare(runs / "a", runs / "b")
     before = json.loads((runs / "a" / "diagnosis.json").read_text())["verdict"]
-    assert [(one.name, one.b) for one in found.flips if one.file == "claims.json"] == [
+    assert [(flip.name, flip.b) for flip in comparison.flips if flip.file == "claims.json"] == [
         ("no-stribeck", "refuted")
     ]
-    assert [(one.a, one.b) for one in found.flips if one.name == "verdict"] == [
+    assert [(flip.a, flip.b) for flip in comparison.flips if flip.name == "verdict"] == [
         (before, "undecided")
     ]
-    changed = {one.key: one.b for one in found.settings if one.file == "diagnosis.json"}
+    changed = {
+        setting.key: setting.b
+        for setting in comparison.settings
+        if setting.file == "diagnosis.json"
+    }
     assert changed["seed"] == "7"
     assert changed["analysis.priors.c1.scale"] == "0.1"
-    text = comparison_text(found)
+    text = comparison_text(comparison)
     assert f"diagnosis.json  verdict: {before} -> undecided" in text
     assert text.index(f"diagnosis.json  verdict: {before} -> undecided") < 2  # what matters first
 
 
 def test_results_of_one_folder_alone_are_named(runs):
     (runs / "b" / "claims.json").unlink()
-    found = compare(runs / "a", runs / "b")
-    assert found.only_in_a == ("claims.json",)
-    assert "claims.json is in the first folder alone" in comparison_text(found)
+    comparison = compare(runs / "a", runs / "b")
+    assert comparison.only_in_a == ("claims.json",)
+    assert "claims.json is in the first folder alone" in comparison_text(comparison)
 
 
 @pytest.mark.parametrize("damage", ["nothing in common", "cut", "empty"])
@@ -163,30 +171,30 @@ def test_a_loop_that_became_unsafe_is_told_with_its_file_and_its_gain(runs, tmp_
         second |= {"largest_safe_compensation_gain": None,
                    "largest_safe_compensation_gain_why": "100 % of the draws hunt"}  # fmt: skip
         metrics = second["metrics"]
-        second["metrics"] = [one for one in metrics if one["name"] != "phase_margin"]
+        second["metrics"] = [metric for metric in metrics if metric["name"] != "phase_margin"]
 
     change(runs / "a" / "margins.json", safe)
     change(runs / "b" / "margins.json", safe)
     change(runs / "b" / "margins.json", unsafe)
-    found = explained(compare(runs / "a", runs / "b"))
-    assert {(flip.name, flip.a, flip.b) for flip in found.flips} == {
+    comparison = explained(compare(runs / "a", runs / "b"))
+    assert {(flip.name, flip.a, flip.b) for flip in comparison.flips} == {
         ("bench.missed_specs", "none", "gain_margin, limit_cycle_probability"),
         ("bench.hunts", "as rarely as allowed", "more often than allowed"),
         ("other.safe_compensation_gain", "there is one", "there is none"),
     }
-    (moved,) = [shift for shift in found.shifts if "safe" in shift.name]
+    (moved,) = [shift for shift in comparison.shifts if "safe" in shift.name]
     assert (moved.name, moved.shift) == (
         "bench.largest_safe_compensation_gain",
         pytest.approx(-3.0),
     )
-    (setting,) = found.settings
+    (setting,) = comparison.settings
     assert (setting.key, setting.b) == ("loops.bench.loop_sha256", "c" * 64)
     gone = (
         "margins.json  other.phase_margin",
         "margins.json  other.largest_safe_compensation_gain",
     )
-    assert found.keys_only_in_a == gone
-    assert found.keys_only_in_b == ()
-    text = comparison_text(found)
+    assert comparison.keys_only_in_a == gone
+    assert comparison.keys_only_in_b == ()
+    text = comparison_text(comparison)
     assert "2 numbers and verdicts are in the first folder alone:" in text
     assert f"  {gone[0]}" in text

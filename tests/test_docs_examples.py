@@ -46,16 +46,18 @@ def blocks(page, *languages):
     """Return (language, text) of the fenced blocks of a page, in their order."""
     tokens = MarkdownIt().parse(page.read_text(encoding="utf-8"))
     fences = [token for token in tokens if token.type == "fence"]
-    return [(one.info.strip(), one.content) for one in fences if one.info.strip() in languages]
+    return [
+        (fence.info.strip(), fence.content) for fence in fences if fence.info.strip() in languages
+    ]
 
 
 def commands(page):
     """Return the arguments of each call of ``bayesfric`` in the shell blocks of a page."""
     for _, text in blocks(page, "sh"):
         for line in text.splitlines():
-            found = re.match(r"(?:\.venv/bin/)?bayesfric (.*)", line.split(" || ")[0])
-            if found:
-                yield shlex.split(found[1], comments=True)
+            match = re.match(r"(?:\.venv/bin/)?bayesfric (.*)", line.split(" || ")[0])
+            if match:
+                yield shlex.split(match[1], comments=True)
 
 
 CALLS = [(page.relative_to(ROOT), call) for page in PAGES for call in commands(page)]
@@ -71,7 +73,7 @@ def parse(call):
         return command.make_context(verb, arguments, parent=parent)
 
 
-@pytest.mark.parametrize(("page", "call"), CALLS, ids=lambda one: str(one))
+@pytest.mark.parametrize(("page", "call"), CALLS, ids=lambda parameter: str(parameter))
 def test_a_command_is_one_that_there_is(page, call):
     parse(call)
 
@@ -81,7 +83,7 @@ def test_a_command_that_there_is_not_is_seen():
         parse(["fit", "board", "--no-such-option"])
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda one: one.stem)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_python_blocks_name_what_is_public(page):
     for _, text in blocks(page, "python"):
         for node in ast.walk(ast.parse(text)):
@@ -96,7 +98,7 @@ def test_pages_have_calls_to_look_at():
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("page", PAGES, ids=lambda one: one.stem)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_a_page_runs_as_written(page, tmp_path):
     """Every block in its order, in one folder that begins empty but for what a clone has."""
     (tmp_path / "data").symlink_to(ROOT / "data")
@@ -135,11 +137,11 @@ def test_the_workflow_runs_on_three_systems_and_every_python_that_is_promised():
 
 
 def test_the_gallery_shows_what_its_page_tells_to_type():
-    told = [
+    lines = [
         line for _, text in blocks(ROOT / "docs" / "gallery.md", "sh") for line in text.split("\n")
     ]
     typed = [command for _, commands in EXAMPLES.EXAMPLES.values() for command in commands]
-    assert [line for line in told if line] == typed
+    assert [line for line in lines if line] == typed
     for command in typed:
         parse(shlex.split(command)[1:])
 

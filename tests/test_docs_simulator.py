@@ -34,7 +34,7 @@ def test_a_simulator_of_the_page_is_guided_along_the_path(
     exec(compile(text, str(PAGE), "exec"), {})
     trials = all_rigs()["single-axis"].trials(joint)
     beside = trials.beside(SimulatorCalls(f"{file}:{name}")).simulated
-    assert [one.name for one in beside.parameters] == ["mass", friction]
+    assert [parameter.name for parameter in beside.parameters] == ["mass", friction]
     assert beside.centre == pytest.approx((2.0, 1.5), rel=0.03)
 
 
@@ -50,6 +50,6 @@ def test_each_simulator_of_the_page_is_told_what_it_lacks(tmp_path):
             text = text.replace("bayesfric ", f"{sys.executable} -m bayesfric ", 1)
         subprocess.run([*shell, text], cwd=tmp_path, check=True, capture_output=True)
     for folder, parameters in (("with-arm", 2), ("with-slide", 2), ("with-table", 0)):
-        found = json.loads((tmp_path / folder / "diagnosis.json").read_text(encoding="utf-8"))
-        assert len(found["simulator"]["parameters"]) == parameters
-        assert [one["effect"] for one in found["causes"]] == ["viscous"]
+        diagnosis = json.loads((tmp_path / folder / "diagnosis.json").read_text(encoding="utf-8"))
+        assert len(diagnosis["simulator"]["parameters"]) == parameters
+        assert [cause["effect"] for cause in diagnosis["causes"]] == ["viscous"]

@@ -53,9 +53,9 @@ def test_a_diagnosis_of_the_first_schema_is_refused_by_name(kept, tmp_path):
     (tmp_path / "diagnosis.nc").write_bytes((folder / "results" / "diagnosis.nc").read_bytes())
     done = CliRunner().invoke(app, ["report", str(tmp_path)])
     assert done.exit_code == 2
-    told = " ".join(done.output.split())
-    assert "bayesfric.diagnosis/1" in told
-    assert f"run `bayesfric diagnose RECORDING -o {tmp_path}` again" in told.replace(" \n", "")
+    message = " ".join(done.output.split())
+    assert "bayesfric.diagnosis/1" in message
+    assert f"run `bayesfric diagnose RECORDING -o {tmp_path}` again" in message.replace(" \n", "")
     with pytest.raises(InputError, match="bayesfric diagnose RECORDING"):
         bf.load(tmp_path)
 
@@ -68,45 +68,47 @@ def test_of_each_release_a_run_is_kept():
 
 
 def test_python_reads_it(kept):
-    folder, known = kept
-    found = bf.load(folder / "results")
-    table = found.fit.to_dataframe()
-    draws = found.fit.draws["posterior"]
+    folder, expected = kept
+    results = bf.load(folder / "results")
+    table = results.fit.to_dataframe()
+    draws = results.fit.draws["posterior"]
     for name in ("c1", "c2", "c3"):
-        assert tuple(table.loc[("medium", name), ["mean", "sd"]]) == known[name]
+        assert tuple(table.loc[("medium", name), ["mean", "sd"]]) == expected[name]
         kept_draws = draws[name].sel(pulley="medium").to_numpy()
-        assert (kept_draws.mean(), kept_draws.std(ddof=1)) == pytest.approx(known[name], rel=1e-3)
-    verdicts = found.claims.to_dataframe()["verdict"]
-    assert list(verdicts[verdicts == "supported"].index) == known["supported"]
+        assert (kept_draws.mean(), kept_draws.std(ddof=1)) == pytest.approx(
+            expected[name], rel=1e-3
+        )
+    verdicts = results.claims.to_dataframe()["verdict"]
+    assert list(verdicts[verdicts == "supported"].index) == expected["supported"]
 
 
 @pytest.mark.nightly
 def test_the_report_shows_its_numbers(kept):
-    folder, known = kept
+    folder, expected = kept
     done = CliRunner().invoke(app, ["report", str(folder / "results")])
     assert done.exit_code == 0, done.output
     shown = (folder / "results" / "report.html").read_text("utf-8")
     rows = re.sub("<[^>]*>", "", shown)
-    c1, c2 = (f"{1e3 * known[name][0]:.3g}" for name in ("c1", "c2"))
+    c1, c2 = (f"{1e3 * expected[name][0]:.3g}" for name in ("c1", "c2"))
     assert f"c1 [10⁻³]{c1}" in rows
     assert f"c2 [10⁻³\N{NARROW NO-BREAK SPACE}N]{c2}" in rows
 
 
 def test_compare_says_how_far_a_number_moved(kept, tmp_path):
     """A mean that is put two standard deviations higher in a copy."""
-    folder, known = kept
+    folder, expected = kept
     for path in (folder / "results").glob("*.[jn]*"):
         (tmp_path / path.name).write_bytes(path.read_bytes())
     assert (
         CliRunner().invoke(app, ["compare", str(folder / "results"), str(tmp_path)]).exit_code == 0
     )
     fit = json.loads((tmp_path / "fit.json").read_text("utf-8"))
-    mean, sd = known["c1"]
+    mean, sd = expected["c1"]
     fit["pulleys"]["medium"]["c1"]["mean"] = mean + 2 * sd
     (tmp_path / "fit.json").write_text(json.dumps(fit), "utf-8")
-    found = bf.compare(folder / "results", tmp_path)
-    assert not found.same
-    assert found.shifts[0].shift == pytest.approx(2)
+    comparison = bf.compare(folder / "results", tmp_path)
+    assert not comparison.same
+    assert comparison.shifts[0].shift == pytest.approx(2)
 
 
 def test_its_recording_is_the_one_that_was_run(kept):

@@ -61,10 +61,10 @@ def test_the_examples_of_the_docstrings_run(desk, monkeypatch, name):
 def test_what_takes_long_is_told(desk, monkeypatch, caplog, verb, computes, title):
     """Where there is neither terminal nor notebook to the log; a user's own progress is told."""
 
-    told, steps = [], []
+    messages, steps = [], []
 
     def compute(*arguments, progress=None, **options):
-        told.append(list(caplog.messages))
+        messages.append(list(caplog.messages))
         if progress is not None:
             progress(1, 2)
         raise KeyboardInterrupt
@@ -77,12 +77,12 @@ def test_what_takes_long_is_told(desk, monkeypatch, caplog, verb, computes, titl
     caplog.set_level(logging.INFO, "bayesfric")
     with pytest.raises(KeyboardInterrupt):
         getattr(bf, verb)(*given)
-    assert told == [[f"{title}: started"]]
+    assert messages == [[f"{title}: started"]]
     caplog.clear()
     if verb != "diagnose":  # which has no progress to take the place of
         with pytest.raises(KeyboardInterrupt):
             getattr(bf, verb)(*given, progress=own)
-        assert (told[1:], steps) == ([[]], [(1, 2)])
+        assert (messages[1:], steps) == ([[]], [(1, 2)])
 
 
 def test_a_path_and_an_object_settings_as_keys_and_as_an_object_are_the_same(desk, monkeypatch):
@@ -136,37 +136,39 @@ def test_one_loop_file_is_one_loop(monkeypatch, desk):
 
 
 def test_a_fit_shows_itself_in_ten_lines_as_a_table_and_in_figures(small_fit):
-    found = FitResult.of(small_fit)
-    lines = repr(found).splitlines()
+    result = FitResult.of(small_fit)
+    lines = repr(result).splitlines()
     assert len(lines) <= 10
     assert "small-recording" in lines[0]
-    table = found.to_dataframe()
+    table = result.to_dataframe()
     entry = small_fit.summary.pulleys["large"]["c2"]
     assert table.loc[("large", "c2"), "mean"] == entry.mean
-    assert f"{entry.mean:.4g}" in repr(found)
-    assert "<table" in found._repr_html_()
-    for plot in (found.plot_coefficients, found.plot_densities, found.plot_residuals):
+    assert f"{entry.mean:.4g}" in repr(result)
+    assert "<table" in result._repr_html_()
+    for plot in (result.plot_coefficients, result.plot_densities, result.plot_residuals):
         assert any(axes.has_data() for axes in plot().axes)
 
 
 def test_stored_json_shows_itself_too():
     claims = read_json(ClaimsFile, reference_folder() / "claims.json")
     table = ClaimsResult(claims, None, 0.0).to_dataframe()
-    assert dict(table["verdict"]) == {one.id: one.verdict for one in claims.claims}
+    assert dict(table["verdict"]) == {claim.id: claim.verdict for claim in claims.claims}
     (axes,) = ClaimsResult(claims, None, 0.0).plot_rivals().axes
     drawn = [text.get_text() for text in axes.get_yticklabels()]
-    rivals = [one.figures.get("log10_bayes_factor_against") or {} for one in claims.claims]
-    assert sorted(name for name in drawn if name) == sorted(name for one in rivals for name in one)
+    rivals = [claim.figures.get("log10_bayes_factor_against") or {} for claim in claims.claims]
+    assert sorted(name for name in drawn if name) == sorted(
+        name for factors in rivals for name in factors
+    )
     alone = claims.model_copy(update={"claims": ()})
     with pytest.raises(ValueError, match="none was compared"):
         ClaimsResult(alone, None, 0.0).plot_smallest_found()
     summary = read_json(DiagnosisFile, reference_folder() / "diagnosis.json")
-    found = DiagnosisResult.of(Diagnosed(summary, None, 0.0))
-    assert summary.sentence in repr(found)
-    assert len(repr(found).splitlines()) <= 10
+    result = DiagnosisResult.of(Diagnosed(summary, None, 0.0))
+    assert summary.sentence in repr(result)
+    assert len(repr(result).splitlines()) <= 10
     first = summary.inclusion[0]
-    assert found.to_dataframe()["probability"].iloc[0] == first.probability
-    assert found.plot_effects().axes
+    assert result.to_dataframe()["probability"].iloc[0] == first.probability
+    assert result.plot_effects().axes
 
 
 def test_hostile_names_are_text_in_html(small_fit):

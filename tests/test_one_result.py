@@ -38,15 +38,15 @@ class Killed(BaseException):
 
 
 def claims_of(seed):
-    found = read_json(ClaimsFile, reference_folder() / "claims.json")
+    claims = read_json(ClaimsFile, reference_folder() / "claims.json")
     tree = xr.DataTree.from_dict({"curves": xr.Dataset({"x": ("w", np.full(3, float(seed)))})})
-    return Checked(identified(found.model_copy(update={"seed": seed})), tree, 0.0)
+    return Checked(identified(claims.model_copy(update={"seed": seed})), tree, 0.0)
 
 
 def diagnosis_of(seed):
-    found = read_json(DiagnosisFile, reference_folder() / "diagnosis.json")
+    diagnosis = read_json(DiagnosisFile, reference_folder() / "diagnosis.json")
     tree = xr.DataTree.from_dict({"residuals": xr.Dataset({"x": ("w", np.full(3, float(seed)))})})
-    return Diagnosed(identified(found.model_copy(update={"seed": seed})), tree, 0.0)
+    return Diagnosed(identified(diagnosis.model_copy(update={"seed": seed})), tree, 0.0)
 
 
 @pytest.fixture
@@ -137,8 +137,8 @@ def test_every_reader_of_a_fit_refuses_draws_of_another(pairs, small_recording, 
 
 
 def test_the_same_result_has_the_same_id_and_any_other_another(pairs):
-    one, other, _ = pairs["claims"]
-    assert one.summary.run_id == claims_of(1).summary.run_id != other.summary.run_id
+    checked, other, _ = pairs["claims"]
+    assert checked.summary.run_id == claims_of(1).summary.run_id != other.summary.run_id
 
 
 def test_a_folder_in_the_place_of_a_file_leaves_the_old_result(pairs, tmp_path):
@@ -192,10 +192,10 @@ def test_arrays_that_another_library_changed_are_read_as_they_are(pairs, tmp_pat
     expected = read_tree(path)
     with netCDF4.Dataset(path, "a") as file:
         file.setncattr("note", "seen")
-    found = read_tree(path)
-    assert found.attrs == expected.attrs | {"note": "seen"}
-    del found.attrs["note"]
-    xr.testing.assert_identical(found, expected)
+    tree = read_tree(path)
+    assert tree.attrs == expected.attrs | {"note": "seen"}
+    del tree.attrs["note"]
+    xr.testing.assert_identical(tree, expected)
 
 
 def test_a_damaged_array_is_refused_where_the_checksum_of_the_file_is_lost(pairs, tmp_path):

@@ -35,8 +35,8 @@ def test_what_is_no_sum_of_probabilities_is_refused(parts):
 
 
 def test_normalised_weights_are_probabilities():
-    found = normalised({"a": 3.0, "b": 1.0, "c": -1e-17})
-    assert found == {"a": 0.75, "b": 0.25, "c": 0.0}
+    probabilities = normalised({"a": 3.0, "b": 1.0, "c": -1e-17})
+    assert probabilities == {"a": 0.75, "b": 0.25, "c": 0.0}
     assert normalised({"a": 1.0000000000000002}) == {"a": 1.0}
     for wrong in ({"a": -1.0, "b": 2.0}, {"a": math.nan}, {"a": 0.0}, {}):
         with pytest.raises(ValueError, match="weight"):

@@ -83,11 +83,11 @@ def test_the_reference_run_is_of_this_code(weighted, reference):
 
 def assert_precise(summary):
     assert summary.converged
-    found = entries(summary).values()
-    assert min(entry.ess_bulk for entry in found) >= 4000
-    assert min(entry.ess_tail for entry in found) >= 1000
-    assert max(entry.r_hat for entry in found) < 1.01
-    assert max(entry.r_hat_walkers for entry in found) < 1.02
+    numbers = entries(summary).values()
+    assert min(entry.ess_bulk for entry in numbers) >= 4000
+    assert min(entry.ess_tail for entry in numbers) >= 1000
+    assert max(entry.r_hat for entry in numbers) < 1.01
+    assert max(entry.r_hat_walkers for entry in numbers) < 1.02
 
 
 def assert_truth_inside(summary):
@@ -120,15 +120,19 @@ def test_no_claim_falls_on_the_bundled_recording():
     then = read_json(ClaimsFile, reference_folder() / "claims.json")
     recording = bf.read_recording(bundled_recording())
     with processes(2) as executor:
-        found = bf.check_claims(recording, executor=executor)
-    assert found.refuted == ()
-    now = {one.id: one for one in found.summary.claims}
-    for one in then.claims:
-        assert now[one.id].verdict == one.verdict
-        if one.log10_bayes_factor is not None:
-            error = np.hypot(one.log10_bayes_factor_se, now[one.id].log10_bayes_factor_se)
-            off = abs(now[one.id].log10_bayes_factor - one.log10_bayes_factor)
-            assert off < 4 * error, one.id
+        checked = bf.check_claims(recording, executor=executor)
+    assert checked.refuted == ()
+    now = {claim.id: claim for claim in checked.summary.claims}
+    for reference_claim in then.claims:
+        assert now[reference_claim.id].verdict == reference_claim.verdict
+        if reference_claim.log10_bayes_factor is not None:
+            error = np.hypot(
+                reference_claim.log10_bayes_factor_se, now[reference_claim.id].log10_bayes_factor_se
+            )
+            off = abs(
+                now[reference_claim.id].log10_bayes_factor - reference_claim.log10_bayes_factor
+            )
+            assert off < 4 * error, reference_claim.id
 
 
 @pytest.mark.nightly

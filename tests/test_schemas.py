@@ -14,9 +14,9 @@ from bayesfric.schemas.parameter import ParameterSummary
 
 ROOT = Path(__file__).parents[1]
 MODELS = [
-    one
-    for one in vars(schemas).values()
-    if isinstance(one, type) and issubclass(one, BaseModel) and one is not BaseModel
+    schema
+    for schema in vars(schemas).values()
+    if isinstance(schema, type) and issubclass(schema, BaseModel) and schema is not BaseModel
 ]
 RESULTS = sorted((ROOT / "reports" / "reference").glob("*.json"))
 
@@ -53,6 +53,6 @@ def test_what_is_missing_without_a_reason_is_found() -> None:
 
 def test_walkers_that_never_leave_their_places_can_be_written() -> None:
     """Their R-hat is infinite, which JSON has no number for."""
-    found = schemas.FitFile.model_validate_json((RESULTS[0].parent / "fit.json").read_text())
-    entry = found.scatter["tau"].model_dump() | {"r_hat_walkers": float("inf")}
+    fitted = schemas.FitFile.model_validate_json((RESULTS[0].parent / "fit.json").read_text())
+    entry = fitted.scatter["tau"].model_dump() | {"r_hat_walkers": float("inf")}
     assert ParameterSummary.model_validate(entry).r_hat_walkers == 1000.0

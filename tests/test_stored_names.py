@@ -44,8 +44,8 @@ def test_a_name_comes_back_and_holds_no_slash(name, taken):
 
 
 @given(st.text("%2F5/a", max_size=6), st.text("%2F5/a", max_size=6))
-def test_two_names_are_two_variables(one, other):
-    assert (variable_of(one) == variable_of(other)) == (one == other)
+def test_two_names_are_two_variables(name, other):
+    assert (variable_of(name) == variable_of(other)) == (name == other)
 
 
 def test_variables_and_attributes_of_any_name_are_stored(tmp_path):
@@ -54,9 +54,9 @@ def test_variables_and_attributes_of_any_name_are_stored(tmp_path):
     table.attrs = {name: i for i, name in enumerate(NAMES)}
     tree = xr.DataTree.from_dict({"/": xr.Dataset(attrs=dict(table.attrs)), "/group": table})
     write_netcdf(tree, tmp_path / "a.nc")
-    found = read_tree(tmp_path / "a.nc")
-    there = found["group"].to_dataset()
+    stored = read_tree(tmp_path / "a.nc")
+    there = stored["group"].to_dataset()
     assert sorted(map(str, there.data_vars)) == sorted(map(str, table.data_vars))
     for i, name in enumerate(NAMES):
         assert there[variable_of(name)].to_numpy() == pytest.approx(np.arange(3.0) + i)
-        assert found.attrs[name] == there.attrs[name] == i
+        assert stored.attrs[name] == there.attrs[name] == i

@@ -29,7 +29,7 @@ def quality(agreement=None):
     )  # fmt: skip
 
 
-def told(**changes):
+def remarks(**changes):
     """What a sound fit is told of, with one thing changed."""
     sound = {
         "convergence": {},
@@ -52,24 +52,24 @@ def sensors(largest_z, disagreeing=()):
 
 def test_a_sound_fit_has_nothing_that_a_reader_must_know():
     coverage = (Coverage("gravity", 0.9, 0.84, 0.96),)
-    assert told(quality=quality(sensors(2.9)), coverage=coverage) == ()
+    assert remarks(quality=quality(sensors(2.9)), coverage=coverage) == ()
 
 
 @pytest.mark.parametrize("share", [0.80, 0.98])
 def test_coverage_outside_of_its_range_is_told(share):
-    (line,) = told(coverage=(Coverage("gravity", share, 0.84, 0.96),))
+    (line,) = remarks(coverage=(Coverage("gravity", share, 0.84, 0.96),))
     assert f"{share:.1%} of the gravity board's trials" in line
     assert "84.0% to 96.0%" in line
 
 
 def test_sensors_that_are_far_apart_are_told():
     """4.4 sd by noise alone: 100 trials × 1.1e-5, one recording in 900."""
-    (line,) = told(quality=quality(sensors(4.4)))
+    (line,) = remarks(quality=quality(sensors(4.4)))
     assert "by up to 4.4 standard errors" in line
     assert line.endswith("in no trial does this reach 2% of friction")
-    (line,) = told(quality=quality(sensors(6.0, ("g0007", "g0009"))))
+    (line,) = remarks(quality=quality(sensors(6.0, ("g0007", "g0009"))))
     assert "in 2 of 100 trials (g0007, g0009) this is also more than" in line
-    assert told(quality=quality(sensors(3.8))) == ()  # 100 × 1.4e-4: one in 70
+    assert remarks(quality=quality(sensors(3.8))) == ()  # 100 × 1.4e-4: one in 70
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,7 @@ def test_a_far_assembly_is_told_with_what_it_means_for_the_numbers(without, word
         rig="gravity", assemblies=54, p_value=0.5, spread=1.0, spread_q05=0.8, spread_q95=1.2,
         outlying=(far,),
     )  # fmt: skip
-    (line,) = told(entries=entries, assemblies=(check,))
+    (line,) = remarks(entries=entries, assemblies=(check,))
     assert line.startswith("Friction of assembly s047 of the gravity board is 3.7 standard")
     assert words in line
     heeded, _ = by_weight([line])
@@ -129,7 +129,7 @@ def test_a_far_assembly_is_told_with_what_it_means_for_the_numbers(without, word
 )
 def test_a_declared_number_that_the_data_miss_is_told(name, prior, mean, sd, is_told):
     parameter = Parameter(name, "s", prior, "noise")
-    lines = told(
+    lines = remarks(
         parameters=[parameter], entries={name: SimpleNamespace(mean=mean, sd=sd, informed=True)}
     )
     assert len(lines) == is_told
@@ -153,9 +153,9 @@ def law(before, after, sd=0.001):
 def test_a_law_that_is_biased_without_the_causes_is_told():
     """c2 68 % too high; c1 that hardly moves is not."""
     numbers = {"c2[small]": law(0.0439, 0.0261), "c1[small]": law(0.01285, 0.0128, 1e-5)}
-    found = diagnosis(causes=(cause("viscous"),), law=numbers)
-    assert list(biased_numbers(found)) == ["c2[small]"]
-    (line,) = [line for line in of_diagnosis(found) if "c2[small]" in line]
+    summary = diagnosis(causes=(cause("viscous"),), law=numbers)
+    assert list(biased_numbers(summary)) == ["c2[small]"]
+    (line,) = [line for line in of_diagnosis(summary) if "c2[small]" in line]
     assert line.startswith("Without viscous")
     assert "gives c2[small] as 43.9e-3 N instead of 26.1e-3 N" in line
     assert "Also biased" not in line
@@ -182,8 +182,8 @@ def test_numbers_that_are_biased_alike_are_one_remark():
 
 
 def test_what_a_diagnosis_holds_already_comes_first_and_once():
-    found = diagnosis(attention=("Scatter is taken as normal.",))
-    once = found.model_copy(update={"attention": of_diagnosis(found)})
+    summary = diagnosis(attention=("Scatter is taken as normal.",))
+    once = summary.model_copy(update={"attention": of_diagnosis(summary)})
     assert once.attention[0] == "Scatter is taken as normal."
     assert of_diagnosis(once) == once.attention
 

@@ -64,21 +64,21 @@ def side_by_side(name, peers_python, folder):
     np.savez(posterior, **arrays)
     pickled = folder / f"{name}.pickle"
     pickled.write_bytes(pickle.dumps(model))
-    coefficients = sum(one.kind == "coefficient" for one in model.parameters)
+    coefficients = sum(parameter.kind == "coefficient" for parameter in model.parameters)
     runs = {"ours": (sys.executable, pickled), "limit": (sys.executable, pickled)}
     runs |= dict.fromkeys(PEERS, (peers_python, posterior))
     repeats, kept = ({sampler: [] for sampler in runs} for _ in range(2))
     events = problems.PROBLEMS[name].events
     for seed in range(1, (1 if events else REPEATS) + 1):  # peers take half an hour for events
         for sampler, (python, stored) in runs.items():
-            found = run(python, sampler, stored, folder / "result.npz", seed)
-            repeats[sampler].append(compare.figures_of(found, coefficients))
-            kept[sampler].append(found)
+            result = run(python, sampler, stored, folder / "result.npz", seed)
+            repeats[sampler].append(compare.figures_of(result, coefficients))
+            kept[sampler].append(result)
     figures = {
-        sampler: {key: compare.spread([one[key] for one in rows]) for key in rows[0]}
+        sampler: {key: compare.spread([row[key] for row in rows]) for key in rows[0]}
         for sampler, rows in repeats.items()
     }
-    draws = {sampler: compare.pooled(found) for sampler, found in kept.items()}
+    draws = {sampler: compare.pooled(results) for sampler, results in kept.items()}
     z = {other: compare.largest_z(draws["ours"], draws[other]) for other in ("limit", *PEERS)}
     return compare.targets(name, figures, z), figures
 

@@ -90,10 +90,10 @@ def largest_z(ours, other):
 
 def pooled(runs):
     """Return the draws of repeats, each of a seed of its own, as those of one run."""
-    found = {"theta": np.concatenate([run["theta"] for run in runs])}
+    whole = {"theta": np.concatenate([run["theta"] for run in runs])}
     if "weights" in runs[0]:
-        found["weights"] = np.concatenate([run["weights"] for run in runs]) / len(runs)
-    return found
+        whole["weights"] = np.concatenate([run["weights"] for run in runs]) / len(runs)
+    return whole
 
 
 def spread(values):
@@ -105,7 +105,7 @@ def spread(values):
     }
 
 
-def targets(problem, found, z):
+def targets(problem, by_sampler, z):
     """Return the targets of one posterior.
 
     Parameters
@@ -117,23 +117,23 @@ def targets(problem, found, z):
     z : dict of str to float
         Limit or peer to the largest difference from ours.
     """
-    ours = found["ours"]
+    ours = by_sampler["ours"]
     peers = {
-        name: one
-        for name, one in found.items()
-        if name not in ("ours", "limit") and one["r_hat"]["highest"] < CONVERGED
+        name: figures
+        for name, figures in by_sampler.items()
+        if name not in ("ours", "limit") and figures["r_hat"]["highest"] < CONVERGED
     }
     rows = []
     if peers:
-        fastest = max(peers, key=lambda one: peers[one]["per_second"]["median"])
-        soonest = min(peers, key=lambda one: peers[one]["cold_s"]["median"])
+        fastest = max(peers, key=lambda peer: peers[peer]["per_second"]["median"])
+        soonest = min(peers, key=lambda peer: peers[peer]["cold_s"]["median"])
         warm = ours["per_second"]["median"], peers[fastest]["per_second"]["median"]
         cold = ours["cold_s"]["median"], peers[soonest]["cold_s"]["median"]
         rows = [
             _row(f"{problem}: draws a second, {fastest}", *warm, warm[0] / warm[1], "warm"),
             _row(f"{problem}: seconds from cold, {soonest}", *cold, cold[1] / cold[0], "cold"),
         ]
-    bound = ours["per_second"]["median"], found["limit"]["per_second"]["median"]
+    bound = ours["per_second"]["median"], by_sampler["limit"]["per_second"]["median"]
     rows.append(_row(f"{problem}: share of the limit", *bound, bound[0] / bound[1], "limit"))
     rows += [
         {

@@ -48,14 +48,16 @@ def targets():
             cwd=ROOT,
             stdout=subprocess.DEVNULL,
         )
-        found = json.loads(stored.read_text(encoding="utf-8"))["benchmarks"]
+        benchmarks = json.loads(stored.read_text(encoding="utf-8"))["benchmarks"]
     figures = {
-        one["extra_info"]["name"]: {
-            key: one["stats"][key] for key in ("median", "min", "max", "rounds")
+        benchmark["extra_info"]["name"]: {
+            key: benchmark["stats"][key] for key in ("median", "min", "max", "rounds")
         }
-        for one in found
+        for benchmark in benchmarks
     }
-    return [row(one["extra_info"], one["stats"]["median"]) for one in found], figures
+    return [
+        row(benchmark["extra_info"], benchmark["stats"]["median"]) for benchmark in benchmarks
+    ], figures
 
 
 def row(said, median):

@@ -39,7 +39,7 @@ def targets(model):
     )
     nested.run_nested(print_progress=False)
     theirs = time.process_time() - began
-    found = {
+    estimates = {
         "ours": [ours.log_evidence, ours.error, seconds],
         "dynesty": [nested.results.logz[-1], nested.results.logzerr[-1], theirs],
         "reference": [large.log_evidence, large.error],
@@ -53,4 +53,4 @@ def targets(model):
         at_least("evidence, times as fast as dynesty", seconds, theirs, theirs / seconds, FASTER),
         within("evidence, error over dynesty's", ours.error / nested.results.logzerr[-1], 1.0),
     ]
-    return rows, {name: [float(one) for one in values] for name, values in found.items()}
+    return rows, {name: [float(number) for number in values] for name, values in estimates.items()}

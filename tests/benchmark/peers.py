@@ -77,11 +77,11 @@ def numpyro_nuts(data, seed):
         mcmc.run(jax.random.PRNGKey(seed + 1000))
         return mcmc.get_samples(group_by_chain=True).block_until_ready()
 
-    found = _timed(draw, cold)
-    draws = found["theta"]
+    timed = _timed(draw, cold)
+    draws = timed["theta"]
     # The first run was warm-up, compilation and as many draws.
-    found["before"] -= found["seconds"]
-    return found | {"theta": np.asarray(_constrained(posterior)(draws))}
+    timed["before"] -= timed["seconds"]
+    return timed | {"theta": np.asarray(_constrained(posterior)(draws))}
 
 
 def blackjax_nuts(data, seed):
@@ -103,17 +103,17 @@ def blackjax_nuts(data, seed):
     def sample(state, parameters, key):
         step = blackjax.nuts(posterior.log_density, **parameters).step
 
-        def one(state, key):
+        def transition(state, key):
             state, _ = step(key, state)
             return state, state.position
 
-        return jax.lax.scan(one, state, jax.random.split(key, DRAWS))[1]
+        return jax.lax.scan(transition, state, jax.random.split(key, DRAWS))[1]
 
     keys = jax.random.split(jax.random.PRNGKey(seed), CHAINS)
     adapted = jax.block_until_ready(jax.jit(jax.vmap(run))(keys, _starts(posterior, seed)))
     compiled = jax.jit(jax.vmap(sample)).lower(*adapted).compile()
-    found = _timed(lambda: compiled(*adapted).block_until_ready(), time.process_time())
-    return found | {"theta": np.asarray(_constrained(posterior)(found["theta"]))}
+    timed = _timed(lambda: compiled(*adapted).block_until_ready(), time.process_time())
+    return timed | {"theta": np.asarray(_constrained(posterior)(timed["theta"]))}
 
 
 def nutpie_nuts(data, seed):
@@ -163,9 +163,9 @@ def nutpie_nuts(data, seed):
     cold = time.process_time()
     draw(1)
     warm_up = time.process_time() - cold
-    found = _timed(lambda: draw(DRAWS), cold)
-    found["seconds"] -= warm_up
-    return found | {"theta": np.asarray(_constrained(posterior)(found["theta"]))}
+    timed = _timed(lambda: draw(DRAWS), cold)
+    timed["seconds"] -= warm_up
+    return timed | {"theta": np.asarray(_constrained(posterior)(timed["theta"]))}
 
 
 SAMPLERS = {

@@ -73,9 +73,9 @@ def gravity_of(problem: Problem, recording: Recording) -> Gravity:
         return Gravity(trials, events)
     seen = Gravity(trials, events)
     measured = TrialMeasurements(seen, event_table(seen, recording.rig), Analysis())
-    found = measured.at(NOISE).acceleration()
-    trials["acceleration_m_s2"] = found.mean[0]
-    trials["acceleration_sd_m_s2"] = np.sqrt(found.variance[0])
+    acceleration = measured.at(NOISE).acceleration()
+    trials["acceleration_m_s2"] = acceleration.mean[0]
+    trials["acceleration_sd_m_s2"] = np.sqrt(acceleration.variance[0])
     return Gravity(trials, events.iloc[:0])
 
 
@@ -96,8 +96,8 @@ def arrays_of(model: Model, gravity: Gravity, recording: Recording) -> dict[str,
     arrays = {
         "sizes": np.array(places.size.sizes),
         "names": np.array(model.names),
-        "family": np.array([one.prior.family for one in model.parameters]),
-        "scale": np.array([_scale(one.prior) for one in model.parameters]),
+        "family": np.array([parameter.prior.family for parameter in model.parameters]),
+        "scale": np.array([_scale(parameter.prior) for parameter in model.parameters]),
         "size": places.size.of_trial,
         "pulleys": np.asarray(condition.n_pulleys, dtype=float),
         "wrap": np.asarray(condition.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG,
@@ -140,7 +140,7 @@ def _reduced(table):
     One table for all noises suits a compiler better than an interval of them at a time.
     """
     log_ratio = np.linspace(-LOG_RHO_SPAN, LOG_RHO_SPAN, 149)
-    rows = np.stack([table.statistics(np.array([one]))[0] for one in log_ratio])
+    rows = np.stack([table.statistics(np.array([ratio]))[0] for ratio in log_ratio])
     rows[:, -1] *= -0.5  # of the determinant, as it stands in the log density
     rows = rows.reshape(log_ratio.size, -1)
     unit = np.abs(rows).mean(axis=0)

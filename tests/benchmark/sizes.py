@@ -105,7 +105,7 @@ def targets():
     diagnosed = time.process_time() - began
     first, last = seconds[TRIALS[1]], seconds[TRIALS[-1]]
     ratio = TRIALS[-1] / TRIALS[1]  # from 2,000 on, so that no constant part flatters
-    whole = [one["read"] + one["reduce"] for one in (first, last)]
+    whole = [run["read"] + run["reduce"] for run in (first, last)]
     slope = float(np.log(whole[1] / whole[0]) / np.log(ratio))
     times = last["likelihood"] / seconds[TRIALS[0]]["likelihood"]
     rows = [
@@ -117,7 +117,7 @@ def targets():
         within("refusing a million events, seconds", refused["read"], REFUSE_S),
         within("refusing a million events, MiB", refused["read_mib"], REFUSE_MIB),
     ]
-    figures = {str(trials): one for trials, one in seconds.items()}
+    figures = {str(trials): timed for trials, timed in seconds.items()}
     return rows, figures | {"refused": refused, "joint's log": {"diagnose": diagnosed}}
 
 

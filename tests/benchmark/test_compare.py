@@ -14,10 +14,10 @@ def independent(mean, sd, seed, shape=(4, 1000)):
 
 def test_effective_draws_of_independent_chains_are_their_number():
     run = {"theta": independent(0.0, 1.0, 1), "seconds": 2.0, "before": 3.0}
-    found = compare.figures_of(run, 2)
-    assert found["effective_draws"] == pytest.approx(4000, rel=0.1)
-    assert found["per_second"] == pytest.approx(2000, rel=0.1)
-    assert found["cold_s"] == pytest.approx(5.0, rel=0.1)
+    figures_of_run = compare.figures_of(run, 2)
+    assert figures_of_run["effective_draws"] == pytest.approx(4000, rel=0.1)
+    assert figures_of_run["per_second"] == pytest.approx(2000, rel=0.1)
+    assert figures_of_run["cold_s"] == pytest.approx(5.0, rel=0.1)
 
 
 def test_effective_draws_of_weights_are_one_over_the_sum_of_squares():
@@ -29,10 +29,10 @@ def test_effective_draws_of_weights_are_one_over_the_sum_of_squares():
 @pytest.mark.parametrize(("mean", "sd"), [(0.15, 1.0), (0.0, 1.15)])
 def test_a_mean_or_an_sd_that_differs_is_seen(mean, sd):
     """0.15 over √(2 / 4000) is 6.7 errors of a mean, and 0.15 over √(1 / 4000) more of an sd."""
-    one, same, other = (
+    reference, same, other = (
         {"theta": independent(*of)} for of in ((0.0, 1.0, 1), (0.0, 1.0, 2), (mean, sd, 2))
     )
-    assert compare.largest_z(one, same) < 3 < 4.5 < compare.largest_z(one, other)
+    assert compare.largest_z(reference, same) < 3 < 4.5 < compare.largest_z(reference, other)
 
 
 def test_weights_enter_the_moments_and_their_errors():
@@ -58,17 +58,17 @@ def test_repeats_are_pooled_as_so_many_draws_more():
         {"theta": independent(0.0, 1.0, seed, (100,)), "weights": np.full(100, 0.01)}
         for seed in (1, 2)
     ]
-    found = compare.pooled(runs)
-    assert found["theta"].shape == (200, 2)
-    assert found["weights"].sum() == pytest.approx(1.0)
+    whole = compare.pooled(runs)
+    assert whole["theta"].shape == (200, 2)
+    assert whole["weights"].sum() == pytest.approx(1.0)
     np.testing.assert_allclose(
-        compare.moments(found)[0][0], np.mean([run["theta"].mean(axis=0) for run in runs], axis=0)
+        compare.moments(whole)[0][0], np.mean([run["theta"].mean(axis=0) for run in runs], axis=0)
     )
 
 
 def figures(rate, cold, r_hat=1.0):
-    found = {"per_second": rate, "cold_s": cold, "r_hat": r_hat}
-    return {key: compare.spread([value]) for key, value in found.items()}
+    values = {"per_second": rate, "cold_s": cold, "r_hat": r_hat}
+    return {key: compare.spread([value]) for key, value in values.items()}
 
 
 def test_r_hat_tells_a_chain_that_is_elsewhere():
@@ -79,7 +79,7 @@ def test_r_hat_tells_a_chain_that_is_elsewhere():
 
 
 def test_targets_are_against_the_fastest_of_each():
-    found = {
+    figures_by_sampler = {
         "ours": figures(600.0, 1.0),
         "limit": figures(1000.0, 0.5),
         "a": figures(100.0, 20.0),
@@ -87,7 +87,7 @@ def test_targets_are_against_the_fastest_of_each():
         "unconverged": figures(9e9, 1e-9, r_hat=1.2),
     }
     z = {"limit": 1.0, "a": 2.9, "b": 3.1, "unconverged": 9.0}
-    rows = compare.targets("p", found, z)
+    rows = compare.targets("p", figures_by_sampler, z)
     assert [row["ratio"] for row in rows] == [4.0, 20.0, 0.6, 1.0, 2.9, 3.1]
     assert [row["met"] for row in rows] == [False, True, True, True, True, False]
     assert "b" in rows[0]["name"]

@@ -36,8 +36,8 @@ def ran(workers, cases):
     """Return the wall time of a campaign and the results of its cases."""
     with tempfile.TemporaryDirectory() as folder:
         began = time.perf_counter()
-        found = run_on_processes(case, cases, Path(folder), workers)
-        return time.perf_counter() - began, list(found.values())
+        results = run_on_processes(case, cases, Path(folder), workers)
+        return time.perf_counter() - began, list(results.values())
 
 
 def seconds_of_verbs():
@@ -56,9 +56,9 @@ def seconds_of_verbs():
 def targets():
     """Return a row a target, and the figures behind them."""
     cases = {str(seed): seed for seed in range(CASES)}
-    one, alone = ran(1, cases)
-    two, _ = ran(2, cases)
-    inside = sum(found["wall_s"] for found in alone)
+    one_worker_s, alone = ran(1, cases)
+    two_workers_s, _ = ran(2, cases)
+    inside = sum(result["wall_s"] for result in alone)
     with tempfile.TemporaryDirectory() as folder:
         kept = Path(folder) / "memory.json"
         subprocess.run([sys.executable, "-m", "benchmark.workers", str(kept)], check=True)
@@ -66,8 +66,14 @@ def targets():
     third = len(held) // 3  # in the first of which all is loaded that ever is
     grown = 1000 * float(held[-third:].mean() - held[third : 2 * third].mean()) / third
     rows = [
-        at_least("two workers over one, times as fast", two, one, one / two, SPEEDUP),
-        within("executor, share of a campaign's time", 1 - inside / one, OVERHEAD),
+        at_least(
+            "two workers over one, times as fast",
+            two_workers_s,
+            one_worker_s,
+            one_worker_s / two_workers_s,
+            SPEEDUP,
+        ),
+        within("executor, share of a campaign's time", 1 - inside / one_worker_s, OVERHEAD),
         within(f"1,000 quick diagnoses by {len(held)}, growth in MiB", grown, GROWTH_MIB),
     ]
     of_verbs = seconds_of_verbs()
@@ -75,7 +81,12 @@ def targets():
         at_least(f"{verb}, two workers over one", double, single, single / double, SPEEDUP)
         for verb, (single, double) in of_verbs.items()
     ]
-    figures = {"one_s": one, "two_s": two, "inside_s": inside, "held_mib": held.tolist()}
+    figures = {
+        "one_s": one_worker_s,
+        "two_s": two_workers_s,
+        "inside_s": inside,
+        "held_mib": held.tolist(),
+    }
     return rows, figures | {"verbs_s": of_verbs}
 
 

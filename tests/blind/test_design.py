@@ -22,13 +22,13 @@ def test_a_whole_campaign_has_what_was_promised():
     kinds = Counter(case.kind for case in whole())
     assert kinds == {"none": 200, "effect": 15 * len(EFFECTS), "outsider": 60, "pair": 40}
     singles = [case for case in whole() if case.kind == "effect"]
-    each = Counter((case.effects[0], case.form) for case in singles)
+    counts = Counter((case.effects[0], case.form) for case in singles)
     for name, (_, foreign) in EFFECTS.items():
         for strength in (1.0, 0.3):
-            own = each[(name, strength), "own"]
-            assert (own, each[(name, strength), "foreign"]) == ((3, 3) if foreign else (6, 0))
+            own = counts[(name, strength), "own"]
+            assert (own, counts[(name, strength), "foreign"]) == ((3, 3) if foreign else (6, 0))
         for strength in (0.1, 0.2, 0.5):
-            assert each[(name, strength), "own"] + each[(name, strength), "foreign"] == 1
+            assert counts[(name, strength), "own"] + counts[(name, strength), "foreign"] == 1
     outsiders = Counter(case.effects[0][0] for case in whole() if case.kind == "outsider")
     assert set(outsiders.values()) == {5}
 

@@ -49,11 +49,11 @@ def by_least_squares(recording):
         # Scatter is relative, and shared by the runs of an assembly.
         keys = ["n_pulleys", "wrap_angle_deg"]
         assembly = pd.factorize(pd.MultiIndex.from_frame(runs.loc[own, keys]))[0]
-        each = np.diag(0.01**2 + (noise[own] / friction[own]) ** 2)
-        covariance = 0.015**2 * (assembly[:, None] == assembly) + each
+        scatter = np.diag(0.01**2 + (noise[own] / friction[own]) ** 2)
+        covariance = 0.015**2 * (assembly[:, None] == assembly) + scatter
         root = np.linalg.inv(np.linalg.cholesky(covariance)) / friction[own]
-        found = np.linalg.lstsq(root @ design[own], root @ friction[own], rcond=None)[0]
-        left[own] = friction[own] - design[own] @ found
+        coefficients = np.linalg.lstsq(root @ design[own], root @ friction[own], rcond=None)[0]
+        left[own] = friction[own] - design[own] @ coefficients
         signal2 += ((root @ left[own]) ** 2).sum()
     return np.sqrt((left**2).mean() / (friction**2).mean()), np.sqrt(signal2)
 

@@ -46,11 +46,11 @@ class Engine:
         return ("wave",)
 
     def make(self, withheld, seed, *, design, noise=True, beside=True):
-        told = [
+        effects_of_truth = [
             {"name": name, "form": "plain", "own": True, "strength": s, "axes": ["order"]}
             for name, s in withheld
         ]
-        return Made(RECORDING, {"withheld": told})
+        return Made(RECORDING, {"withheld": effects_of_truth})
 
 
 @pytest.fixture
@@ -61,13 +61,13 @@ def engine(monkeypatch):
     def diagnose(recording, analysis):
         engine.diagnosed.append((recording, analysis.seed))
         names = ("viscous",) if analysis.seed % 2 else ()
-        found = diagnosed(
+        summary = diagnosed(
             "named" if names else "no-gap",
             names,
             seed=analysis.seed,
             verdict_probability=0.9 + 0.0001 * (analysis.seed % 100),
         )
-        return SimpleNamespace(summary=found)
+        return SimpleNamespace(summary=summary)
 
     def in_threads(work, cases, results, workers, progress):
         with ThreadPoolExecutor(workers) as executor:
@@ -82,8 +82,8 @@ def engine(monkeypatch):
 
 
 def kept(folder):
-    (found,) = [path for path in (folder / "blind").iterdir() if path.is_dir()]
-    return found
+    (only,) = [path for path in (folder / "blind").iterdir() if path.is_dir()]
+    return only
 
 
 def test_the_envelope_is_sealed_before_the_diagnosis(engine, monkeypatch, tmp_path):
@@ -117,9 +117,9 @@ def test_the_diagnosis_is_told_nothing(engine, tmp_path):
 def test_any_number_of_workers_gives_the_same_bytes(engine, tmp_path):
     running.run_blind(tmp_path / "one", number=12, workers=1)
     running.run_blind(tmp_path / "four", number=12, workers=4)
-    one, four = (tmp_path / name / "scorecard.json" for name in ("one", "four"))
-    assert one.read_bytes() == four.read_bytes()
-    assert read_json(ScorecardFile, one).planned == 12
+    by_a_worker, by_four = (tmp_path / name / "scorecard.json" for name in ("one", "four"))
+    assert by_a_worker.read_bytes() == by_four.read_bytes()
+    assert read_json(ScorecardFile, by_a_worker).planned == 12
 
 
 def test_a_campaign_goes_on_where_it_stopped(engine, tmp_path):

@@ -116,15 +116,18 @@ def test_reliability_of_each_verdict_apart():
     quiet = [scored(probability=0.9, came_true=True) for _ in range(20)]
     named = {"verdict": "named", "outcome": "viscous", "probability": 0.99}
     card = card_of(quiet + [scored("effect", **named, came_true=place < 3) for place in range(5)])
-    found = card.reliability_by_verdict
-    assert {name: (one.cases, one.correct.hits) for name, one in found.items()} == {
+    by_verdict = card.reliability_by_verdict
+    assert {
+        name: (reliability.cases, reliability.correct.hits)
+        for name, reliability in by_verdict.items()
+    } == {
         "named": (5, 3),
         "no-gap": (20, 20),
     }
-    assert found["named"].probability == pytest.approx(0.99)
+    assert by_verdict["named"].probability == pytest.approx(0.99)
     # Of 5 at 0.99, P(X <= 3) = 0.1 %; of 20 at 0.9, P(X = 20) = 12 %.
-    assert not found["named"].inside
-    assert found["no-gap"].inside
+    assert not by_verdict["named"].inside
+    assert by_verdict["no-gap"].inside
 
 
 @pytest.mark.parametrize("true", [True, False])
@@ -147,11 +150,11 @@ def test_a_verdict_that_claims_no_gap_is_no_false_alarm():
 
 def test_a_band_is_that_of_the_binomial():
     # Of 20 at 0.9: P(X <= 14) = 0.011, P(X <= 15) = 0.043, and P(X = 20) = 0.12.
-    (found,) = reliability_of([0.9] * 20, [True] * 15 + [False] * 5)
-    assert found.band == (0.75, 1.0)
-    assert found.inside
-    (found,) = reliability_of([0.9] * 20, [True] * 14 + [False] * 6)
-    assert not found.inside
+    (point,) = reliability_of([0.9] * 20, [True] * 15 + [False] * 5)
+    assert point.band == (0.75, 1.0)
+    assert point.inside
+    (point,) = reliability_of([0.9] * 20, [True] * 14 + [False] * 6)
+    assert not point.inside
 
 
 def test_targets_are_met_by_the_point_estimate(card):
@@ -188,10 +191,10 @@ def test_the_interval_of_a_rate_is_exact():
 def test_the_interval_of_a_mean_is_that_of_its_bootstrap():
     rng = np.random.default_rng(1)
     values = rng.normal(2.0, 1.0, 400)
-    found = estimate_of([float(v) for v in values])
+    estimate = estimate_of([float(v) for v in values])
     half = 1.96 * values.std() / 20
-    assert found.low == pytest.approx(values.mean() - half, abs=0.012)
-    assert found.high == pytest.approx(values.mean() + half, abs=0.012)
+    assert estimate.low == pytest.approx(values.mean() - half, abs=0.012)
+    assert estimate.high == pytest.approx(values.mean() + half, abs=0.012)
     assert estimate_of([]).value_why == "no case counts"
 
 
@@ -207,16 +210,24 @@ def test_the_interval_of_a_mean_is_that_of_its_bootstrap():
     ],
 )
 def test_the_smallest_detected_is_that_of_growing_rates(named, smallest):
-    found = smallest_detected({s: [one == "y" for one in each] for s, each in named.items()})
-    assert found.value == smallest
-    assert (found.value_why is None) == (smallest is not None)
-    assert found.tried["1"].cases == len(named[1.0])
+    smallest_strength = smallest_detected(
+        {s: [outcome == "y" for outcome in outcomes] for s, outcomes in named.items()}
+    )
+    assert smallest_strength.value == smallest
+    assert (smallest_strength.value_why is None) == (smallest is not None)
+    assert smallest_strength.tried["1"].cases == len(named[1.0])
 
 
 def test_the_interval_of_the_smallest_is_as_wide_as_few_cases_make_it():
-    found = smallest_detected({0.1: [False] * 40, 0.3: [True] * 33 + [False] * 7, 1.0: [True] * 40})
+    smallest_strength = smallest_detected(
+        {0.1: [False] * 40, 0.3: [True] * 33 + [False] * 7, 1.0: [True] * 40}
+    )
     # 33 of 40 may well be less than 80 %, and 40 of 40 hardly are.
-    assert (found.value, found.low, found.high) == (0.3, 0.3, 1.0)
+    assert (smallest_strength.value, smallest_strength.low, smallest_strength.high) == (
+        0.3,
+        0.3,
+        1.0,
+    )
     few = smallest_detected({1.0: [True] * 2})
     assert (few.value, few.high) == (1.0, None)  # 2 of 2 prove nothing
 
@@ -228,9 +239,13 @@ def test_the_best_test_stands_beside_ours_where_setups_limit():
         scored("effect", **wrap, oracle_power=0.7, **FALSE),
         scored("effect"),
     ]
-    (one,) = card_of(cases).oracle
-    assert (one.effect, one.strength, one.power) == ("wrap-intercept", 0.3, pytest.approx(0.6))
-    assert counts(one.named) == (1, 2)
+    (oracle,) = card_of(cases).oracle
+    assert (oracle.effect, oracle.strength, oracle.power) == (
+        "wrap-intercept",
+        0.3,
+        pytest.approx(0.6),
+    )
+    assert counts(oracle.named) == (1, 2)
 
 
 @pytest.mark.parametrize(

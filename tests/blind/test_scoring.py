@@ -27,10 +27,10 @@ def effect(name, **more):
 
 
 def judged(withheld, *, gap=0.05, true_shrink=None, **changes):
-    found = diagnosed(**changes)
+    summary = diagnosed(**changes)
     truth = {"withheld": withheld}
     numbers = {"gap": gap, "true_shrink": true_shrink, "oracle_power": None}
-    return score(PUBLIC, truth, found, **numbers, effect_names=all_effects())
+    return score(PUBLIC, truth, summary, **numbers, effect_names=all_effects())
 
 
 def left(axis, low, significant=True):
@@ -39,7 +39,7 @@ def left(axis, low, significant=True):
 
 
 @pytest.mark.parametrize(
-    ("withheld", "found", "expected"),
+    ("withheld", "changes", "expected"),
     [
         (["viscous"], {"causes": ["viscous"]}, ("viscous", True, False)),
         (["viscous"], {"causes": ["air-drag"]}, ("air-drag", False, True)),
@@ -82,8 +82,8 @@ def left(axis, low, significant=True):
         ([], {"verdict": "unknown", "causes": []}, ("unknown", False, False)),
     ],
 )
-def test_a_verdict_is_correct_where_it_names_exactly_what_is_there(withheld, found, expected):
-    case = judged([effect(name) for name in withheld], gap=0.05 if withheld else 0.0, **found)
+def test_a_verdict_is_correct_where_it_names_exactly_what_is_there(withheld, changes, expected):
+    case = judged([effect(name) for name in withheld], gap=0.05 if withheld else 0.0, **changes)
     assert (case.outcome, case.correct, case.falsely_named) == expected
 
 
@@ -113,12 +113,12 @@ def test_a_pair_of_one_class_is_not_named_by_one_of_them_twice():
 )
 def test_what_is_below_the_practical_share_counts_as_none(gap, as_none):
     for verdict in ("no-gap", "undecided"):
-        found = judged([effect("viscous")], gap=gap, verdict=verdict, causes=[])
-        assert (found.counts_as_none, found.correct) == (as_none, as_none)
-        assert (found.noise_free_gap_why is None) == (gap is not None)
+        case = judged([effect("viscous")], gap=gap, verdict=verdict, causes=[])
+        assert (case.counts_as_none, case.correct) == (as_none, as_none)
+        assert (case.noise_free_gap_why is None) == (gap is not None)
         # A cause that is there may be told of, and no other.
-        told = judged([effect("viscous")], gap=gap, verdict=verdict, causes=["viscous"])
-        assert told.correct is as_none
+        viscous_case = judged([effect("viscous")], gap=gap, verdict=verdict, causes=["viscous"])
+        assert viscous_case.correct is as_none
         assert not judged([effect("viscous")], gap=gap, verdict=verdict, causes=["slip"]).correct
     named = judged([effect("viscous")], gap=gap, causes=["viscous"])
     assert named.correct  # it is there, however small
@@ -129,7 +129,7 @@ def test_what_is_below_the_practical_share_counts_as_none(gap, as_none):
 
 
 @pytest.mark.parametrize(
-    ("withheld", "gap", "found", "true"),
+    ("withheld", "gap", "changes", "true"),
     [
         # These causes act, whatever acts beside them.
         (["viscous", "runout"], 0.05, {"causes": ["viscous"]}, True),
@@ -156,14 +156,14 @@ def test_what_is_below_the_practical_share_counts_as_none(gap, as_none):
         ([], 0.0, {"verdict": "undecided", "above": 0.3}, True),
     ],
 )
-def test_a_verdict_comes_true_where_what_it_states_is_so(withheld, gap, found, true):
-    found = {"causes": []} | found
-    told = [effect(name, axes=["order"]) for name in withheld]
-    assert judged(told, gap=gap, **found).came_true is true
+def test_a_verdict_comes_true_where_what_it_states_is_so(withheld, gap, changes, true):
+    changes = {"causes": []} | changes
+    effects = [effect(name, axes=["order"]) for name in withheld]
+    assert judged(effects, gap=gap, **changes).came_true is true
 
 
 @pytest.mark.parametrize(
-    ("found", "flagged"),
+    ("changes", "flagged"),
     [
         ({"verdict": "unknown", "causes": []}, True),
         ({"remainder": left("order", 0.11)}, True),
@@ -173,8 +173,8 @@ def test_a_verdict_comes_true_where_what_it_states_is_so(withheld, gap, found, t
         ({"verdict": "no-gap", "causes": []}, False),
     ],
 )
-def test_an_outsider_is_flagged_by_unknown_or_a_remainder_on_a_true_axis(found, flagged):
-    case = judged([effect("wave-in-order", own=False, axes=["order", "displacement"])], **found)
+def test_an_outsider_is_flagged_by_unknown_or_a_remainder_on_a_true_axis(changes, flagged):
+    case = judged([effect("wave-in-order", own=False, axes=["order", "displacement"])], **changes)
     assert case.kind == "outsider"
     assert (case.flagged, case.correct) == (flagged, flagged)
 
@@ -207,20 +207,20 @@ def test_intervals_cover_where_they_hold_the_truth():
     ],
 )
 def test_parameters_are_compared_with_those_of_the_same_law_alone(name, form, law, covered):
-    found = diagnosed(causes=[name])
-    told = (found.causes[0].model_copy(update={"law": law}),)
+    summary = diagnosed(causes=[name])
+    causes = (summary.causes[0].model_copy(update={"law": law}),)
     truth = effect(name, form=form, parameters={"slope": 0.12})
     numbers = {"gap": 0.05, "true_shrink": 0.981, "oracle_power": None}
-    found = found.model_copy(update={"causes": told})
-    case = score(PUBLIC, {"withheld": [truth]}, found, **numbers, effect_names=all_effects())
+    summary = summary.model_copy(update={"causes": causes})
+    case = score(PUBLIC, {"withheld": [truth]}, summary, **numbers, effect_names=all_effects())
     assert case.parameters_covered == covered
     assert case.shrink_covered is True
 
 
 def test_each_own_form_that_an_engine_withholds_is_a_law_of_the_diagnosis():
-    laws = {name: set(one.laws) for name, one in all_effects().items()}
+    laws = {name: set(effect_.laws) for name, effect_ in all_effects().items()}
     forms = {(kind.name, form.name) for kind in EFFECTS.values() for form in kind.forms if form.own}
-    forms |= {(one.name, one.part) for one in MECHANISMS}
+    forms |= {(mechanism.name, mechanism.part) for mechanism in MECHANISMS}
     assert set(LAWS_OF_FORMS) <= forms
     for name, form in forms:
         assert LAWS_OF_FORMS.get((name, form), form) in laws[name], (name, form)

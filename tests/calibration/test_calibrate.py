@@ -20,14 +20,14 @@ def test_truths_are_drawn_from_the_stated_prior():
     rng = np.random.default_rng(1)
     truths = [draw_truth(generating, rng) for _ in range(80)]
     for name in SCATTER_AND_NOISE:
-        values = np.array([getattr(one, name) for one in truths])
+        values = np.array([getattr(truth, name) for truth in truths])
         middle = getattr(Analysis().calibration, name)
         assert 0.8 * middle <= values.min() < 0.84 * middle
         assert 1.16 * middle < values.max() <= 1.2 * middle
         assert np.isfinite(log_density(getattr(generating.priors, name), values)).all()
     for size, law in table1_coefficients().items():
         for place, value in enumerate(law):
-            ratio = np.array([one.coefficients[size][place] for one in truths]) / value
+            ratio = np.array([truth.coefficients[size][place] for truth in truths]) / value
             assert np.abs(ratio - 1).max() <= 0.2 + 1e-12
             assert ratio.std() == pytest.approx(0.2 / np.sqrt(3), rel=0.25)
 
@@ -45,10 +45,16 @@ def test_quantities_by_hand():
         def log_likelihood(self, theta):
             return -theta[:, 2]
 
-    found = one_case.quantities(Stub(), np.array([[0.01, 0.03, 0.5]]))
-    assert found["c1 + c2/T[small]"] == pytest.approx([0.013])
-    assert found["log_likelihood"] == pytest.approx([-0.5])
-    assert set(found) == {"c1[small]", "c2[small]", "tau", "c1 + c2/T[small]", "log_likelihood"}
+    quantities = one_case.quantities(Stub(), np.array([[0.01, 0.03, 0.5]]))
+    assert quantities["c1 + c2/T[small]"] == pytest.approx([0.013])
+    assert quantities["log_likelihood"] == pytest.approx([-0.5])
+    assert set(quantities) == {
+        "c1[small]",
+        "c2[small]",
+        "tau",
+        "c1 + c2/T[small]",
+        "log_likelihood",
+    }
 
 
 @pytest.fixture
@@ -82,12 +88,12 @@ def test_the_verb_writes_and_goes_on(tmp_path, quick_cases):
     done = CliRunner().invoke(app, [*arguments, "100"])
     assert "1 of 1 quantities have uniform ranks" in done.output
     assert sorted(quick_cases) == list(range(100))
-    found = json.loads((tmp_path / "calibration.json").read_text())
-    assert found["schema"] == "bayesfric.calibration/1"
-    assert [one["ranks"]["tau"] for one in found["cases"]] == [
+    stored = json.loads((tmp_path / "calibration.json").read_text())
+    assert stored["schema"] == "bayesfric.calibration/1"
+    assert [case["ranks"]["tau"] for case in stored["cases"]] == [
         (37 * k + 3) % 100 for k in range(100)
     ]
-    assert found["priors"]["tau"] == "uniform(low=0.007, high=0.013)"
+    assert stored["priors"]["tau"] == "uniform(low=0.007, high=0.013)"
     CliRunner().invoke(app, [*arguments, "60", "--workers", "2"])
     assert (tmp_path / "calibration.json").read_bytes() == first  # whatever the workers
     CliRunner().invoke(
@@ -104,9 +110,9 @@ def test_fail_on_uncalibrated(tmp_path, monkeypatch, quick_cases):
     arguments = ["calibrate", "-o", str(tmp_path), "--n", "30", "--fail-on", "uncalibrated"]
     done = CliRunner().invoke(app, arguments)
     assert done.exit_code == 1
-    found = json.loads((tmp_path / "calibration.json").read_text())
-    said = " ".join(found["attention"])
-    assert not found["calibrated"]
+    stored = json.loads((tmp_path / "calibration.json").read_text())
+    said = " ".join(stored["attention"])
+    assert not stored["calibrated"]
     assert "25.0% of the trials stalled" in said
     assert "R-hat of some fit is 1.200" in said
     assert "tau are not uniform" in said
@@ -135,8 +141,8 @@ def test_one_case_ranks_every_quantity():
         sampler={"burn": 20, "steps": 50, "thin": 2, "extensions": 0}  # 1,440 draws an ensemble
     )
     generating = generating_analysis(Analysis(seed=8, calibration=rules))
-    found = one_case.run_case(one_case.Given(generating, "quick", 0))
-    assert len(found["ranks"]) == 20
-    assert all(0 <= rank <= one_case.RANKED_DRAWS for rank in found["ranks"].values())
-    assert found["trials"] == 180
-    assert found["stalled"] == 0
+    case = one_case.run_case(one_case.Given(generating, "quick", 0))
+    assert len(case["ranks"]) == 20
+    assert all(0 <= rank <= one_case.RANKED_DRAWS for rank in case["ranks"].values())
+    assert case["trials"] == 180
+    assert case["stalled"] == 0

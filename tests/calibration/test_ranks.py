@@ -42,10 +42,10 @@ def test_a_right_posterior_is_inside_as_often_as_the_level_says():
 )
 def test_a_wrong_posterior_is_flagged(wrong):
     assert found_of(ranks_of(1)).calibrated
-    found = found_of(ranks_of(1, **wrong))
-    assert not found.calibrated
-    assert found.quantities[0].p_value < 1e-3
-    assert "mu" in found.attention[0]
+    calibrated = found_of(ranks_of(1, **wrong))
+    assert not calibrated.calibrated
+    assert calibrated.quantities[0].p_value < 1e-3
+    assert "mu" in calibrated.attention[0]
 
 
 def test_half_the_sd_is_flagged_by_fifty_cases():
@@ -57,13 +57,14 @@ def test_the_band_holds_the_ecdf_of_uniform_ranks_as_often_as_it_says():
     band = band_of(200, 100, 0.9)
     rng = np.random.default_rng(5)
     ranks = (rng.uniform(size=(2000, 200)) * 100).astype(int)
-    differences = np.array([band.difference(one) for one in ranks])
+    differences = np.array([band.difference(sample) for sample in ranks])
     edge = 1e-12
     inside = ((differences >= band.low - edge) & (differences <= band.high + edge)).all(axis=1)
     # Whole counts make it conservative; the p-value decides likewise.
     assert 0.88 < inside.mean() < 0.94
     alike = [
-        (band.p_value(one) >= 0.1) == within for one, within in zip(ranks, inside, strict=True)
+        (band.p_value(sample) >= 0.1) == within
+        for sample, within in zip(ranks, inside, strict=True)
     ]
     assert np.mean(alike) > 0.99
 

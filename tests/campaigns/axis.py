@@ -60,8 +60,8 @@ FIXED = (
 
 def cases():
     """Return effect and seed of every case, by name."""
-    each = [(seed, name) for name, seeds in SEEDS.items() for seed in seeds]
-    return {f"{name}-{seed}": (name, seed) for seed, name in sorted(each)}
+    pairs = [(seed, name) for name, seeds in SEEDS.items() for seed in seeds]
+    return {f"{name}-{seed}": (name, seed) for seed, name in sorted(pairs)}
 
 
 def case(given):
@@ -72,25 +72,27 @@ def case(given):
     rotary = {"rotary": True} if name == "gravity-torque" else {}
     with tempfile.TemporaryDirectory() as folder:
         written = write(Path(folder) / "axis", machine, table, samples, **rotary)
-        found = diagnose(read_recording(written)).summary
-    named = [cause.effect for cause in found.causes]
-    twins = [set(one.effects) for one in found.unseparated if one.reason.startswith("identical")]
-    alike = {name}.union(*(one for one in twins if name in one))
+        summary = diagnose(read_recording(written)).summary
+    named = [cause.effect for cause in summary.causes]
+    twins = [
+        set(group.effects) for group in summary.unseparated if group.reason.startswith("identical")
+    ]
+    alike = {name}.union(*(twin for twin in twins if name in twin))
     right = not named if name == "empty" else bool(alike & set(named))
     return {
         "effect": name,
         "seed": seed,
-        "verdict": found.verdict,
+        "verdict": summary.verdict,
         "causes": named,
         "right": right,
         "further": sorted(set(named) - alike),
-        "mass_off": found.law["inertia"].after.mean / machine.mass - 1,
-        "friction_off": found.law["coulomb"].after.mean / machine.coulomb - 1,
+        "mass_off": summary.law["inertia"].after.mean / machine.mass - 1,
+        "friction_off": summary.law["coulomb"].after.mean / machine.coulomb - 1,
         "falsely_viscous": name != "viscous" and "viscous" in named,
     }
 
 
-def figures(found):
+def figures(records):
     """Return how many cases are right, of those that are there, and of how many that are asked for.
 
     Parameters
@@ -98,32 +100,34 @@ def figures(found):
     found : list of dict
         As of :func:`case`.
     """
-    acted = [one for one in found if one["effect"] != "empty"]
-    empty = [one for one in found if one["effect"] == "empty"]
-    right = sum(one["right"] for one in acted)
+    acted = [record for record in records if record["effect"] != "empty"]
+    empty = [record for record in records if record["effect"] == "empty"]
+    right = sum(record["right"] for record in acted)
     interval = binomtest(right, len(acted)).proportion_ci(0.95)
     return {
-        "cases": len(found),
+        "cases": len(records),
         "cases_asked_for": len(cases()),
         "named": right,
         "of": len(acted),
         "interval": [interval.low, interval.high],
-        "named_and_nothing_else": sum(one["right"] and not one["further"] for one in acted),
-        "falsely_named": sum(bool(one["causes"]) for one in empty),
+        "named_and_nothing_else": sum(
+            record["right"] and not record["further"] for record in acted
+        ),
+        "falsely_named": sum(bool(record["causes"]) for record in empty),
         "of_empty": len(empty),
         "latency_called_viscous": sum(
-            one["falsely_viscous"] for one in acted if one["effect"] in LATENCY
+            record["falsely_viscous"] for record in acted if record["effect"] in LATENCY
         ),
-        "of_latency": sum(one["effect"] in LATENCY for one in acted),
-        "mass_within_2_percent": sum(abs(one["mass_off"]) < 0.02 for one in found),
-        "friction_within_5_percent": sum(abs(one["friction_off"]) < 0.05 for one in found),
+        "of_latency": sum(record["effect"] in LATENCY for record in acted),
+        "mass_within_2_percent": sum(abs(record["mass_off"]) < 0.02 for record in records),
+        "friction_within_5_percent": sum(abs(record["friction_off"]) < 0.05 for record in records),
     }
 
 
 def gather(folder):
     """Run the campaign."""
     done = run_on_processes(case, cases(), folder, workers=2)
-    seeds = [one["seed"] for one in done.values()]
+    seeds = [record["seed"] for record in done.values()]
     return Gathered(
         seeds=[min(seeds), max(seeds)],
         figures=figures(list(done.values())),

@@ -72,7 +72,7 @@ def case(given):
     number = int(rng.integers(2**32))
     recording = simulate_recording("quick", seed=number, truth=truth, rigs=("gravity",))
     hypotheses = LawWithEffects(), LawWithEffects(effects=((name, law),))
-    tasks = [Task("gravity", one) for one in hypotheses]
+    tasks = [Task("gravity", hypothesis) for hypothesis in hypotheses]
     data = Entered.of(recording).data
     studied = study_all(tasks, data, analysis, {name: effect}, None)
     without, with_effect = (studied[task].evidence for task in tasks)
@@ -174,14 +174,15 @@ def spiegelhalter(p, acts):
 
 def faults(figures):
     """Return which promises of one effect its figures break."""
-    return [one.promise for one in of_one_effect("it", figures) if not one.met]
+    return [outcome.promise for outcome in of_one_effect("it", figures) if not outcome.met]
 
 
 def of_one_effect(name, figures):
     """Return what is promised of an effect's figures, beside them."""
     number = figures["recordings"]
     outside = sum(
-        not one["band"][0] <= one["frequency"] <= one["band"][1] for one in figures["reliability"]
+        not point["band"][0] <= point["frequency"] <= point["band"][1]
+        for point in figures["reliability"]
     )
     whole = figures["whole_width_without_effect"]
 
@@ -217,9 +218,9 @@ def cases(seeds=SEEDS):
 
 def of_effect(done, name):
     """Return log Bayes factors, those of the narrower prior, and where the effect acts."""
-    own = [one for one in done if one["effect"] == name]
+    own = [record for record in done if record["effect"] == name]
     columns = "log_bayes_factor", "narrow_log_bayes_factor", "acts"
-    return tuple(np.array([one[column] for one in own]) for column in columns)
+    return tuple(np.array([record[column] for record in own]) for column in columns)
 
 
 def gather(folder):
@@ -228,9 +229,9 @@ def gather(folder):
     by_effect = {name: figures(*of_effect(done, name)) for name, _ in AMPLITUDES}
     return Gathered(
         seeds=[SEEDS.start, SEEDS.stop - 1],
-        figures=by_effect | {"stalled_trials": sum(one["stalled"] for one in done)},
+        figures=by_effect | {"stalled_trials": sum(record["stalled"] for record in done)},
         cases=done,
-        fixed=[one for one in done if one["seed"] in FIXED_SEEDS],
+        fixed=[record for record in done if record["seed"] in FIXED_SEEDS],
     )
 
 
@@ -238,4 +239,4 @@ def promises(figures):
     """Return what was promised beside what was found."""
     stalled = Outcome("trials that did not move", figures["stalled_trials"], most=0)
     by_effect = (of_one_effect(name, figures[name]) for name, _ in AMPLITUDES)
-    return [stalled, *(one for outcomes in by_effect for one in outcomes)]
+    return [stalled, *(outcome for outcomes in by_effect for outcome in outcomes)]

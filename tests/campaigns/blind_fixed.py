@@ -34,7 +34,7 @@ def run(folder):
 def gather(folder):
     """Run the campaign."""
     done = run(folder)
-    correct = sum(one["correct"] for one in done.values())
+    correct = sum(record["correct"] for record in done.values())
     figures = {"correct": correct, "of": len(done)}
     return Gathered([SEEDS.start, SEEDS.stop - 1], figures, done, fixed=done)
 

@@ -20,5 +20,5 @@ def gather(folder):
 
 def promises(figures):
     """Return what was promised beside what was found."""
-    outside = sum(not one["inside"] for one in figures["reliability"])
+    outside = sum(not point["inside"] for point in figures["reliability"])
     return [Outcome("bins of probability outside their band", outside, most=0)]

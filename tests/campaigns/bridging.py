@@ -22,11 +22,11 @@ BOUNDS = 0.8, 1.3  # of the root mean square of actual over reported error
 def case(seed):
     """Draw from each density and bridge it."""
     figures = {}
-    for name, known in DENSITIES.items():
-        found = bridge_evidence(known.log_density, known.chains(seed), seed)
+    for name, density in DENSITIES.items():
+        bridge = bridge_evidence(density.log_density, density.chains(seed), seed)
         figures[name] = {
-            "difference": found.log_evidence - known.log_evidence,
-            "error": found.error,
+            "difference": bridge.log_evidence - density.log_evidence,
+            "error": bridge.error,
         }
     return {"seed": seed, "densities": figures}
 
@@ -52,6 +52,6 @@ def gather(folder):
 def promises(figures):
     """Return what was promised beside what was found."""
     return [
-        Outcome(f"{name}: actual over reported error, rms", found["rms_ratio"], *BOUNDS)
-        for name, found in figures.items()
+        Outcome(f"{name}: actual over reported error, rms", entry["rms_ratio"], *BOUNDS)
+        for name, entry in figures.items()
     ]

@@ -19,24 +19,24 @@ def run(number, folder):
     return calibrate(folder, number=number, workers=2, analysis=Analysis(seed=SEED))
 
 
-def figures(found):
+def figures(calibrated):
     """Return what the evidence says of a campaign."""
     return {
-        "cases": len(found.cases),
-        "calibrated": found.calibrated,
-        "outside": [one.name for one in found.quantities if not one.inside],
-        "p_values": {one.name: one.p_value for one in found.quantities},
-        "stalled_share": found.stalled_share,
-        "r_hat": found.r_hat,
-        "attention": list(found.attention),
+        "cases": len(calibrated.cases),
+        "calibrated": calibrated.calibrated,
+        "outside": [quantity.name for quantity in calibrated.quantities if not quantity.inside],
+        "p_values": {quantity.name: quantity.p_value for quantity in calibrated.quantities},
+        "stalled_share": calibrated.stalled_share,
+        "r_hat": calibrated.r_hat,
+        "attention": list(calibrated.attention),
     }
 
 
 def gather(folder):
     """Run the campaign."""
-    found = run(CASES, folder)
-    cases = [one.model_dump() for one in found.cases]
-    return Gathered([0, CASES - 1], figures(found), cases, fixed=cases[:FIXED_CASES])
+    calibrated = run(CASES, folder)
+    cases = [record.model_dump() for record in calibrated.cases]
+    return Gathered([0, CASES - 1], figures(calibrated), cases, fixed=cases[:FIXED_CASES])
 
 
 def promises(figures):

@@ -30,13 +30,13 @@ def case(seed):
     engine = engine_of("reference")
     recording = engine.make(engine.Withheld("none", (), "random"), seed).recording
     with tempfile.TemporaryDirectory() as folder:
-        found = diagnose_sealed(recording, Analysis(seed=seed), Path(folder))
-    shapes = {axis.axis: axis.shape for axis in found.where if axis.shape is not None}
+        summary = diagnose_sealed(recording, Analysis(seed=seed), Path(folder))
+    shapes = {axis.axis: axis.shape for axis in summary.where if axis.shape is not None}
     return {
         "seed": seed,
-        "verdict": found.verdict,
-        "probability": found.verdict_probability,
-        "causes": [cause.effect for cause in found.causes],
+        "verdict": summary.verdict,
+        "probability": summary.verdict_probability,
+        "causes": [cause.effect for cause in summary.causes],
         "panels": len(shapes),
         "without_zero": [name for name, shape in shapes.items() if leaves_zero(shape)],
     }
@@ -49,13 +49,13 @@ def leaves_zero(shape):
 
 def figures(done):
     """Return the verdicts, what was named, and the share of panels whose band leaves zero."""
-    panels = sum(one["panels"] for one in done)
-    left = sum(len(one["without_zero"]) for one in done)
-    told = [one["verdict"] for one in done]
+    panels = sum(record["panels"] for record in done)
+    left = sum(len(record["without_zero"]) for record in done)
+    verdicts = [record["verdict"] for record in done]
     return {
         "boards": len(done),
-        "verdicts": {one: told.count(one) for one in ("no-gap", "undecided")},
-        "named": sum(bool(one["causes"]) for one in done),
+        "verdicts": {verdict: verdicts.count(verdict) for verdict in ("no-gap", "undecided")},
+        "named": sum(bool(record["causes"]) for record in done),
         "panels": panels,
         "without_zero": left,
         "share": left / panels,

@@ -54,19 +54,19 @@ def case(name):
 def figures(done):
     """Return by hypothesis how far the two evidences differ, with the error of it."""
     return {
-        one["hypothesis"]: {
-            "difference_nat": one["bridge"] - one["importance"],
-            "error_nat": float(np.hypot(one["bridge_error"], one["importance_error"])),
-            "pareto_k": one["pareto_k"],
+        record["hypothesis"]: {
+            "difference_nat": record["bridge"] - record["importance"],
+            "error_nat": float(np.hypot(record["bridge_error"], record["importance_error"])),
+            "pareto_k": record["pareto_k"],
         }
-        for one in done
+        for record in done
     }
 
 
 def gather(folder):
     """Run the campaign."""
     done = [case(name) for name in HYPOTHESES]
-    fixed = [one for one in done if one["hypothesis"] == FIXED]
+    fixed = [record for record in done if record["hypothesis"] == FIXED]
     return Gathered([SEED], figures(done), done, fixed)
 
 
@@ -74,16 +74,16 @@ def promises(figures):
     """Return what was promised beside what was found."""
     return [
         outcome
-        for name, found in figures.items()
+        for name, entry in figures.items()
         for outcome in (
             Outcome(
                 f"{name}: bridge less importance sample, in errors",
-                found["difference_nat"] / found["error_nat"],
+                entry["difference_nat"] / entry["error_nat"],
                 -LARGEST_DIFFERENCE,
                 LARGEST_DIFFERENCE,
             ),
             Outcome(
-                f"{name}: Pareto k of the importance sample", found["pareto_k"], most=LARGEST_K
+                f"{name}: Pareto k of the importance sample", entry["pareto_k"], most=LARGEST_K
             ),
         )
     ]

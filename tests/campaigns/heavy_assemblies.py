@@ -43,7 +43,7 @@ def case(given):
     scatter = Scatter(assembly=level, degrees_of_freedom=FREEDOM)
     analysis = Analysis(seed=seed, sampler=CalibrationRules().sampler, scatter=scatter)
     with threadpool_limits(limits=1):
-        model = Model([one.likelihood(analysis) for one in open_rigs(recording, ["gravity"])])
+        model = Model([rig.likelihood(analysis) for rig in open_rigs(recording, ["gravity"])])
         theta = model.natural(draw_posterior(model, analysis).z)
     named = model.by_name(theta.reshape(-1, theta.shape[-1]))
     ranks, widths = {}, {}
@@ -52,7 +52,7 @@ def case(given):
             draws = named[f"{name}[{size}]"]
             ranks[f"{name}[{size}]"] = float((draws < value).mean())
             widths[f"{name}[{size}]"] = float(draws.std() / abs(value))
-    r_hat = max(one.r_hat for one in diagnose_all(theta))
+    r_hat = max(diagnostic.r_hat for diagnostic in diagnose_all(theta))
     return {
         "seed": seed,
         "level": level,
@@ -64,20 +64,22 @@ def case(given):
 
 def figures(done):
     """Return by level the coverage of 90 % intervals, and the median relative sd."""
-    found = {}
+    entries = {}
     for level in LEVELS:
-        here = [one for one in done if one["level"] == level]
-        found[level] = coverage(here)
+        records = [record for record in done if record["level"] == level]
+        entries[level] = coverage(records)
         for name in ("c1", "c2", "c3"):
-            widths = [w for one in here for k, w in one["relative_sd"].items() if k[:2] == name]
-            found[level][name]["median_relative_sd"] = float(np.median(widths))
-    return found
+            widths = [
+                w for record in records for k, w in record["relative_sd"].items() if k[:2] == name
+            ]
+            entries[level][name]["median_relative_sd"] = float(np.median(widths))
+    return entries
 
 
 def gather(folder):
     """Run the campaign."""
     done = list(run_on_processes(case, cases(), folder, workers=2).values())
-    fixed = [one for one in done if one["seed"] == SEEDS.start]
+    fixed = [record for record in done if record["seed"] == SEEDS.start]
     return Gathered([SEEDS.start, SEEDS.stop - 1], figures(done), done, fixed)
 
 

@@ -35,15 +35,15 @@ def rows_of(name):
             "campaign": name,
             "version": record["version"],
             "date": date_of(record["version"]),
-            "promise": one.promise,
+            "promise": outcome.promise,
             **{
-                column: number(getattr(one, column))
+                column: number(getattr(outcome, column))
                 for column in ("least", "most", "value", "low", "high", "n")
             },
-            "met": str(one.met).lower(),
+            "met": str(outcome.met).lower(),
             "note": "",
         }
-        for one in outcomes
+        for outcome in outcomes
     ]
 
 

@@ -46,7 +46,7 @@ def case(number):
     rig = next(iter(paper_rigs()))
     recording = simulate_recording("quick", seed=int(rng.integers(2**32)), truth=truth, rigs=(rig,))
     opened = open_rigs(recording, (rig,))
-    model = Model([one.likelihood(generating, BASELINES["paper"]) for one in opened])
+    model = Model([opened_rig.likelihood(generating, BASELINES["paper"]) for opened_rig in opened])
     true = np.array([true_value(truth, name) for name in model.names])
     steps = STEP * np.eye(true.size)
     around = np.concatenate([np.zeros((1, true.size)), steps, -steps])
@@ -75,8 +75,8 @@ def figures(cases):
         and its ``standard_error``.
     """
     names = list(cases[0]["score"])
-    score = np.array([[one["score"][name] for name in names] for one in cases])
-    information = np.array([[one["information"][name] for name in names] for one in cases])
+    score = np.array([[record["score"][name] for name in names] for record in cases])
+    information = np.array([[record["information"][name] for name in names] for record in cases])
     error = score.std(axis=0, ddof=1) / np.sqrt(len(cases))
     squares = (score**2 / information.mean(axis=0)).sum(axis=1)
     return {
@@ -89,7 +89,7 @@ def figures(cases):
 
 def run(number, folder):
     """Return the first cases."""
-    cases = {f"{one:04d}": one for one in range(number)}
+    cases = {f"{seed:04d}": seed for seed in range(number)}
     return list(run_on_processes(case, cases, folder, workers=2).values())
 
 

@@ -45,7 +45,7 @@ def case(given):
     recording = simulate_recording("quick", seed=seed, truth=truth, rigs=("gravity",))
     analysis = Analysis(seed=seed, sampler=CalibrationRules().sampler)
     with threadpool_limits(limits=1):
-        model = Model([one.likelihood(analysis) for one in open_rigs(recording, ["gravity"])])
+        model = Model([rig.likelihood(analysis) for rig in open_rigs(recording, ["gravity"])])
         theta = model.natural(draw_posterior(model, analysis).z)
     named = model.by_name(theta.reshape(-1, theta.shape[-1]))
     ranks = {
@@ -53,7 +53,7 @@ def case(given):
         for size, law in table1_coefficients().items()
         for name, value in law._asdict().items()
     }
-    r_hat = max(one.r_hat for one in diagnose_all(theta))
+    r_hat = max(diagnostic.r_hat for diagnostic in diagnose_all(theta))
     return {"seed": seed, "level": level, "r_hat": r_hat, "ranks": ranks}
 
 
@@ -63,19 +63,25 @@ def figures(done):
     The three sizes of one recording share their scatter: bounds are those of so many
     recordings, not of three times as many.
     """
-    by_level = {level: [one for one in done if one["level"] == level] for level in LEVELS}
-    return {f"{level:g}": coverage(here) for level, here in by_level.items()}
+    by_level = {level: [record for record in done if record["level"] == level] for level in LEVELS}
+    return {f"{level:g}": coverage(records) for level, records in by_level.items()}
 
 
-def coverage(here):
+def coverage(records):
     """Return the coverage of c1, c2, c3 over some recordings, with 95 % bounds."""
-    entry = {"recordings": len(here), "largest_r_hat": max(one["r_hat"] for one in here)}
+    entry = {
+        "recordings": len(records),
+        "largest_r_hat": max(record["r_hat"] for record in records),
+    }
     for name in ("c1", "c2", "c3"):
         ranks = np.array(
-            [[r for key, r in one["ranks"].items() if key.startswith(name)] for one in here]
+            [
+                [r for key, r in record["ranks"].items() if key.startswith(name)]
+                for record in records
+            ]
         )
         inside = ((ranks > COVERED[0]) & (ranks < COVERED[1])).mean(axis=1)
-        hits, count = float(inside.sum()), len(here)
+        hits, count = float(inside.sum()), len(records)
         entry[name] = {
             "coverage": hits / count,
             "low": float(beta.ppf(0.025, hits, count - hits + 1)) if hits else 0.0,
@@ -84,16 +90,16 @@ def coverage(here):
     return entry
 
 
-def coverage_as_promised(words, found):
+def coverage_as_promised(words, entry):
     """Return the promised coverage of each coefficient beside the one that was found."""
     return [
         Outcome(
             f"{words}: 90 % intervals of {name} hold it",
-            found[name]["coverage"],
+            entry[name]["coverage"],
             *BOUNDS,
-            found[name]["low"],
-            found[name]["high"],
-            n=found["recordings"],
+            entry[name]["low"],
+            entry[name]["high"],
+            n=entry["recordings"],
         )
         for name in ("c1", "c2", "c3")
     ]
@@ -106,11 +112,11 @@ def gather(folder):
         seeds=[SEEDS.start, SEEDS.stop - 1],
         figures=figures(done),
         cases=done,
-        fixed=[one for one in done if one["seed"] == SEEDS.start],
+        fixed=[record for record in done if record["seed"] == SEEDS.start],
     )
 
 
 def promises(figures):
     """Return what was promised beside what was found."""
     levels = (coverage_as_promised(f"c2 scatters by {level}", figures[level]) for level in figures)
-    return [one for outcomes in levels for one in outcomes]
+    return [outcome for outcomes in levels for outcome in outcomes]

@@ -64,8 +64,8 @@ def joint(seed):
             "compensation.estimate_n_m": rng.uniform(0.002, 0.006),
             "kick.reference_range_rad_s": [speed := rng.uniform(0.2, 4.0), speed],
         }
-        one = loop(changes)
-        shaft = at_shaft(one, nominal_assembly(one, posterior()))
+        settings = loop(changes)
+        shaft = at_shaft(settings, nominal_assembly(settings, posterior()))
         # nominal draws are one: the mean of the posterior
         damping = effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia))
         stiff = (ringing(shaft) > LEAST_RATIO * natural_frequency(shaft))[0]
@@ -92,10 +92,10 @@ def case(seed):
         What the package says, and what the simulation does.
     """
     shaft = joint(seed)
-    found = find_hunting(shaft, 1, 0.05)
-    threshold = float(found.threshold[0])
-    conditions = found.conditions or found.speeds
-    condition = conditions[max(int(found.condition[0]), 0)]
+    hunting = find_hunting(shaft, 1, 0.05)
+    threshold = float(hunting.threshold[0])
+    conditions = hunting.conditions or hunting.speeds
+    condition = conditions[max(int(hunting.condition[0]), 0)]
     speed, kick = float(condition.speed_of(shaft)[0]), float(condition.kick_of(shaft)[0])
     duration = float(run_length(shaft.sampled(), speed).duration[0])
     record = {
@@ -115,7 +115,7 @@ def case(seed):
     if np.isinf(threshold):
         return record | {"none_outside": not hunts[0], "gamma_over": None, "cycle": None}
     first = hunts.index(True) if any(hunts) else None
-    safe = largest_safe_gain(found, 0.05, 1.0).gamma
+    safe = largest_safe_gain(hunting, 0.05, 1.0).gamma
     record["safe"] = safe
     if safe is not None:
         record["safe_hunts"] = lasts(outside(shaft, safe, kick, speed, duration), shaft)
@@ -193,7 +193,7 @@ def cycle(shaft, condition, gamma, duration):
 
 def shares(values):
     """Return how many of some ratios are within the tolerance, below and above it, of how many."""
-    there = np.array([one for one in values if one is not None])
+    there = np.array([value for value in values if value is not None])
     within = np.abs(there - 1) <= WITHIN + 1e-9
     return {
         "of": there.size,
@@ -213,33 +213,33 @@ def figures(cases):
     """
 
     def of(some):
-        cycles = [one["cycle"] or {} for one in some]
+        cycles = [record["cycle"] or {} for record in some]
         return {
             "joints": len(some),
             # who does not hunt at 1.5 times the γ that is reported counts as above
             "gamma": shares([
-                one["gamma_over"] if one["gamma_over"] is not None else SHARES[-1]
-                for one in some if one["gamma"]
+                record["gamma_over"] if record["gamma_over"] is not None else SHARES[-1]
+                for record in some if record["gamma"]
             ]),
-            "amplitude": shares([one.get("amplitude_over") for one in cycles]),
-            "frequency": shares([one.get("frequency_over") for one in cycles]),
+            "amplitude": shares([swing.get("amplitude_over") for swing in cycles]),
+            "frequency": shares([swing.get("frequency_over") for swing in cycles]),
         }  # fmt: skip
 
-    looked = [one for one in cases if "skipped" not in one]
+    looked = [record for record in cases if "skipped" not in record]
     return of(looked) | {
         "skipped": len(cases) - len(looked),
         "safe_gain": {
-            "of": sum("safe_hunts" in one for one in looked),
-            "hunts": sum(one.get("safe_hunts", False) for one in looked),
+            "of": sum("safe_hunts" in record for record in looked),
+            "hunts": sum(record.get("safe_hunts", False) for record in looked),
         },
-        "steady_error": shares([one["steady_error"] for one in cases]),
-        "dragged_error": shares([one["dragged_error"] for one in cases]),
+        "steady_error": shares([record["steady_error"] for record in cases]),
+        "dragged_error": shares([record["dragged_error"] for record in cases]),
         "never_hunts": {
-            "of": sum("none_outside" in one for one in looked),
-            "within": sum(one.get("none_outside", False) for one in looked),
+            "of": sum("none_outside" in record for record in looked),
+            "within": sum(record.get("none_outside", False) for record in looked),
         },
-        "at_rest": of([one for one in looked if one["speed_rad_s"] == 0]),
-        "in_motion": of([one for one in looked if one["speed_rad_s"] > 0]),
+        "at_rest": of([record for record in looked if record["speed_rad_s"] == 0]),
+        "in_motion": of([record for record in looked if record["speed_rad_s"] > 0]),
     }
 
 

@@ -94,16 +94,16 @@ class Bench:
             read_stored(folder)
         except InputError:
             return "refused"
-        here, old = digests(folder), digests(self.folder / "old")
+        current, old = digests(folder), digests(self.folder / "old")
         states = set()
         for names in SETS:
-            found = {name: here[name] for name in names if name in here}
+            files = {name: current[name] for name in names if name in current}
             for state, whole in (("new", self.wanted["run"] | self.wanted["blind"]), ("old", old)):
-                if found and found == {name: whole.get(name) for name in names}:
+                if files and files == {name: whole.get(name) for name in names}:
                     states.add(state)
                     break
             else:
-                states |= {"mixed"} if found else set()
+                states |= {"mixed"} if files else set()
         return "mixed" if "mixed" in states else "+".join(sorted(states))
 
 
@@ -167,17 +167,17 @@ def lines(said, what):
 
 def figures(done, seconds):
     """Return how often each thing went wrong, and how long undisturbed runs took."""
-    ended = [one["ended_after_s"] for one in done if one.get("status") == 3]
+    ended = [record["ended_after_s"] for record in done if record.get("status") == 3]
     return {
-        "kills": sum("state" in one for one in done),
-        "mixed": sum(one.get("state") == "mixed" for one in done),
-        "interrupts": sum("status" in one for one in done),
+        "kills": sum("state" in record for record in done),
+        "mixed": sum(record.get("state") == "mixed" for record in done),
+        "interrupts": sum("status" in record for record in done),
         "of_them_running": len(ended),
-        "other_statuses": sum(one.get("status", 0) not in (0, 3) for one in done),
+        "other_statuses": sum(record.get("status", 0) not in (0, 3) for record in done),
         "slowest_end_s": max(ended, default=0.0),
-        "tracebacks": sum(one.get("traceback", False) for one in done),
-        "stages_done_twice": sum(len(one.get("twice", ())) for one in done),
-        "other_bytes": sum(not one["same_bytes"] for one in done),
+        "tracebacks": sum(record.get("traceback", False) for record in done),
+        "stages_done_twice": sum(len(record.get("twice", ())) for record in done),
+        "other_bytes": sum(not record["same_bytes"] for record in done),
         "undisturbed_s": seconds,
     }
 

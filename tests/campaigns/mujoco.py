@@ -28,7 +28,9 @@ def run(folder, number):
 
 def shortened(card):
     """Return of each case what is compared, by name."""
-    return {one.name: one.model_dump(mode="json", include=set(SHORT)) for one in card.cases}
+    return {
+        record.name: record.model_dump(mode="json", include=set(SHORT)) for record in card.cases
+    }
 
 
 def figures_of(card):

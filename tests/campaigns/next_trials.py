@@ -75,13 +75,13 @@ def case(given):
     truth = Truth(effects=(at_strength(effect, strength, protocol, rig, Truth()),))
     board = simulate_recording(protocol, seed=seed, truth=truth, rigs=("gravity",))
     before = diagnose(board, Analysis()).summary
-    found = {"design": design, "effect": effect, "strength": strength, "seed": seed}
-    found |= {"verdict": before.verdict, "separates": None}
+    record = {"design": design, "effect": effect, "strength": strength, "seed": seed}
+    record |= {"verdict": before.verdict, "separates": None}
     if not before.next_experiment:
-        return found
+        return record
     asked = before.next_experiment[0]
     after = diagnose(with_trial(board, asked.condition, truth, seed), Analysis()).summary
-    return found | {
+    return record | {
         "separates": list(asked.separates),
         "expected": asked.log10_bayes_factor,
         "before": log_odds(before.probabilities, asked.separates),
@@ -113,31 +113,33 @@ def with_trial(board, condition, truth, seed):
 
 def log_odds(probabilities, pair):
     """Return the log10 odds of the first to the second; what is not listed is below 1e-6."""
-    one, other = (max(probabilities.get(name, 0.0), 1e-6) for name in pair)
-    return float(np.log10(one / other))
+    first, second = (max(probabilities.get(name, 0.0), 1e-6) for name in pair)
+    return float(np.log10(first / second))
 
 
 def figures(done):
     """Return how many were open, told apart, and told apart in favour of what acts."""
-    open_ = [one for one in done if one["separates"]]
+    open_ = [record for record in done if record["separates"]]
     if not open_:
         return {"boards": len(done), "open": 0}
-    apart = [one for one in open_ if abs(one["after"]) >= np.log10(TOLD_APART)]
-    known = [one for one in apart if one["effect"] in one["separates"]]
-    right = [one for one in known if towards(one) > 0]
+    apart = [record for record in open_ if abs(record["after"]) >= np.log10(TOLD_APART)]
+    with_acting = [record for record in apart if record["effect"] in record["separates"]]
+    right = [record for record in with_acting if towards(record) > 0]
     return {
         "boards": len(done),
         "open": len(open_),
         "told_apart": share(len(apart), len(open_)),
-        "of_these_in_favour_of_what_acts": share(len(right), len(known)),
-        "median_expected": float(np.median([one["expected"] for one in open_])),
-        "median_realised": float(np.median([abs(one["after"] - one["before"]) for one in open_])),
+        "of_these_in_favour_of_what_acts": share(len(right), len(with_acting)),
+        "median_expected": float(np.median([record["expected"] for record in open_])),
+        "median_realised": float(
+            np.median([abs(record["after"] - record["before"]) for record in open_])
+        ),
     }
 
 
-def towards(one):
+def towards(record):
     """Return the log10 odds, after the trial, of the effect that acts."""
-    return one["after"] if one["separates"][0] == one["effect"] else -one["after"]
+    return record["after"] if record["separates"][0] == record["effect"] else -record["after"]
 
 
 def share(hits, number):
@@ -148,11 +150,11 @@ def share(hits, number):
 
 def picture(done):
     """Draw the realised change of log10 odds over the expected Bayes factor, case by case."""
-    open_ = [one for one in done if one["separates"]]
+    open_ = [record for record in done if record["separates"]]
     with figure(height=70.0) as fig:
         panel = fig.subplots()
-        expected = np.array([one["expected"] for one in open_])
-        realised = np.array([abs(one["after"] - one["before"]) for one in open_])
+        expected = np.array([record["expected"] for record in open_])
+        realised = np.array([abs(record["after"] - record["before"]) for record in open_])
         panel.plot([0.3, 30], [0.3, 30], color=NEUTRAL, linewidth=0.8)
         panel.plot(expected, np.maximum(realised, 0.03), ".", color=COLORS["blue"])
         panel.set(xscale="log", yscale="log")

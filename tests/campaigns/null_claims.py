@@ -33,11 +33,11 @@ def judged(recording):
     limit = ClaimRules().refute_log10_bayes_factor
     clear = {name for name, (value, error) in screened.items() if value - CLEARLY * error > limit}
     rest = [claim.name for claim in registered() if claim.name not in clear]
-    found = check_claims(recording, only=rest).summary.claims
+    claims = check_claims(recording, only=rest).summary.claims
     return {
-        "refuted": [one.id for one in found if one.verdict == "refuted"],
-        "judged": {one.id: one.verdict for one in found},
-        "screened": {name: list(found) for name, found in screened.items()},
+        "refuted": [claim.id for claim in claims if claim.verdict == "refuted"],
+        "judged": {claim.id: claim.verdict for claim in claims},
+        "screened": {name: list(trials) for name, trials in screened.items()},
     }
 
 
@@ -49,13 +49,13 @@ def run(seeds, folder):
 
 def refuted(done):
     """Return by seed which claims are refuted, where some are."""
-    return {str(one["seed"]): one["refuted"] for one in done if one["refuted"]}
+    return {str(record["seed"]): record["refuted"] for record in done if record["refuted"]}
 
 
 def gather(folder):
     """Run the campaign."""
     done = run(SEEDS, folder)
-    judged_further = Counter(pair for one in done for pair in one["judged"].items())
+    judged_further = Counter(pair for record in done for pair in record["judged"].items())
     verdicts = {
         f"{name}: {verdict}": count for (name, verdict), count in sorted(judged_further.items())
     }
@@ -67,7 +67,7 @@ def gather(folder):
             "judged_further": verdicts,
         },
         cases=done,
-        fixed=[one for one in done if one["seed"] in FIXED_SEEDS],
+        fixed=[record for record in done if record["seed"] in FIXED_SEEDS],
     )
 
 

@@ -70,27 +70,27 @@ def case(given):
         simulate_recording(design, seed=seed, rigs=("gravity",)),
         motor=simulate_recording(design, seed=seed, rigs=("motor",), truth=motor).motor,
     )
-    found = check_claims(recording, Analysis(seed=seed), only=list(CLAIMS)).summary.claims
+    claims = check_claims(recording, Analysis(seed=seed), only=list(CLAIMS)).summary.claims
     return {
         "seed": seed,
         "kind": kind,
         "torque_constant_factor": float(constant),
-        "verdicts": {one.id: one.verdict for one in found},
+        "verdicts": {claim.id: claim.verdict for claim in claims},
     }
 
 
 def figures(done):
     """Return by kind and claim how often each verdict was given, with 95 % bounds."""
-    found = {}
+    entries = {}
     for kind in KINDS:
-        here = [one for one in done if one["kind"] == kind]
+        records = [record for record in done if record["kind"] == kind]
         for claim in CLAIMS:
-            counts = Counter(one["verdicts"][claim] for one in here)
-            found[f"{kind}: {claim}"] = {
-                verdict: {"count": count, "of": len(here)} | bounds(count, len(here))
+            counts = Counter(record["verdicts"][claim] for record in records)
+            entries[f"{kind}: {claim}"] = {
+                verdict: {"count": count, "of": len(records)} | bounds(count, len(records))
                 for verdict, count in sorted(counts.items())
             }
-    return found
+    return entries
 
 
 def run(given, folder):
@@ -101,13 +101,13 @@ def run(given, folder):
 def gather(folder):
     """Run the campaign."""
     done = run(cases(), folder)
-    seeds = [one["seed"] for one in done]
+    seeds = [record["seed"] for record in done]
     fixed = set(cases(FIXED).values())
     return Gathered(
         seeds=[min(seeds), max(seeds)],
         figures=figures(done),
         cases=done,
-        fixed=[one for one in done if (one["seed"], one["kind"]) in fixed],
+        fixed=[record for record in done if (record["seed"], record["kind"]) in fixed],
     )
 
 
@@ -117,6 +117,6 @@ def promises(figures):
     for (kind, claim, verdict), bound in PROMISED.items():
         verdicts = figures[f"{kind}: {claim}"]
         count = verdicts.get(verdict, {"count": 0})["count"]
-        number = sum(one["count"] for one in verdicts.values())
+        number = sum(entry["count"] for entry in verdicts.values())
         outcomes.append(rate(f"{WORDS[kind]}: {claim} is {verdict}", count, number, **bound))
     return outcomes

@@ -66,51 +66,53 @@ def case(given):
     analysis = Analysis().model_copy(update={"diagnosis": rules})
     with tempfile.TemporaryDirectory() as folder:
         world().make(Path(folder) / "board", kind, seed, strength=strength)
-        found = diagnose(read_recording(Path(folder) / "board"), analysis).summary
-    friction = found.gap.friction_rms
-    shrink = None if found.gap.shrink is None else found.gap.shrink.q50
-    alike = [set(one.effects) for one in found.unseparated if one.reason.startswith("identical")]
+        summary = diagnose(read_recording(Path(folder) / "board"), analysis).summary
+    friction = summary.gap.friction_rms
+    shrink = None if summary.gap.shrink is None else summary.gap.shrink.q50
+    alike = [
+        set(group.effects) for group in summary.unseparated if group.reason.startswith("identical")
+    ]
     result = {
         "kind": kind,
         "strength": strength,
         "seed": seed,
-        "verdict": found.verdict,
-        "probability": found.verdict_probability,
-        "causes": {cause.effect: cause.strength for cause in found.causes},
-        "possible": [cause.effect for cause in found.possible],
-        "present": [cause.effect for cause in found.present],
-        "remainder": found.remainder.significant,
-        "gap": found.gap.systematic.q50 / friction,
-        "floor": found.gap.floor.q50 / friction,
+        "verdict": summary.verdict,
+        "probability": summary.verdict_probability,
+        "causes": {cause.effect: cause.strength for cause in summary.causes},
+        "possible": [cause.effect for cause in summary.possible],
+        "present": [cause.effect for cause in summary.present],
+        "remainder": summary.remainder.significant,
+        "gap": summary.gap.systematic.q50 / friction,
+        "floor": summary.gap.floor.q50 / friction,
         "shrink": shrink,
     }
-    twins = {kind} | {name for one in alike if kind in one for name in one}
+    twins = {kind} | {name for group in alike if kind in group for name in group}
     return result | {"right": right(result, twins), "absurd": absurd(result)}
 
 
-def right(found, truth):
+def right(record, truth):
     """Return whether a verdict is right where one of `truth` is there, or nothing that is known."""
-    named = found["verdict"] == "named"
-    if found["kind"] == "none":
-        return found["verdict"] in ("no-gap", "undecided")
-    if found["kind"] in world().unlisted():
-        return found["verdict"] == "unknown" or found["remainder"]
+    named = record["verdict"] == "named"
+    if record["kind"] == "none":
+        return record["verdict"] in ("no-gap", "undecided")
+    if record["kind"] in world().unlisted():
+        return record["verdict"] == "unknown" or record["remainder"]
     # An error of sensors acts without making a gap: no gap, and told beside it.
-    if found["verdict"] == "no-gap" and truth & set(found["present"]):
+    if record["verdict"] == "no-gap" and truth & set(record["present"]):
         return True
-    exactly = named and len(found["causes"]) == 1 and set(found["causes"]) <= truth
-    told = bool(truth & {*found["causes"], *found["possible"]}) and not named
-    return exactly or (told and found["strength"] < 1.0)
+    exactly = named and len(record["causes"]) == 1 and set(record["causes"]) <= truth
+    listed = bool(truth & {*record["causes"], *record["possible"]}) and not named
+    return exactly or (listed and record["strength"] < 1.0)
 
 
-def absurd(found):
+def absurd(record):
     """Return which figures cannot be."""
     wrong = []
-    if not FLOOR[0] <= found["floor"] <= FLOOR[1]:
+    if not FLOOR[0] <= record["floor"] <= FLOOR[1]:
         wrong.append("floor")
-    if found["shrink"] is not None and not SHRINK[0] <= found["shrink"] <= SHRINK[1]:
+    if record["shrink"] is not None and not SHRINK[0] <= record["shrink"] <= SHRINK[1]:
         wrong.append("shrink")
-    if any(strength < LEAST for strength in found["causes"].values()):
+    if any(strength < LEAST for strength in record["causes"].values()):
         wrong.append("cause")
     return wrong
 
@@ -122,7 +124,7 @@ def needs():
 
 def share(done):
     """Return how many cases are right, of how many, with Wilson's interval."""
-    count = sum(one["right"] for one in done)
+    count = sum(record["right"] for record in done)
     interval = binomtest(count, len(done)).proportion_ci(0.95, method="wilson")
     return {"right": count, "of": len(done), "95": [interval.low, interval.high]}
 
@@ -138,15 +140,18 @@ def group_of(done):
 
 def figures(done):
     """Return how many are right in each group, and what is wrong or cannot be."""
-    groups = {name: [one for one in done.values() if group_of(one) == name] for name in LEAST_RIGHT}
+    groups = {
+        name: [record for record in done.values() if group_of(record) == name]
+        for name in LEAST_RIGHT
+    }
     wrong = {
-        name: [one["verdict"], sorted(one["causes"])]
-        for name, one in done.items()
-        if not one["right"]
+        name: [record["verdict"], sorted(record["causes"])]
+        for name, record in done.items()
+        if not record["right"]
     }
     return {name: share(own) for name, own in groups.items()} | {
         "wrong": wrong,
-        "absurd": {name: one["absurd"] for name, one in done.items() if one["absurd"]},
+        "absurd": {name: record["absurd"] for name, record in done.items() if record["absurd"]},
         "world_sha256": digest(),
     }
 
@@ -159,9 +164,11 @@ def gather(folder):
     """
     asked = cases()
     if "BAYESFRIC_SECOND_SO_FAR" in os.environ:
-        asked = {name: one for name, one in asked.items() if (folder / f"{name}.json").exists()}
+        asked = {
+            name: record for name, record in asked.items() if (folder / f"{name}.json").exists()
+        }
     done = run_on_processes(case, asked, folder, WORKERS)
-    seeds = sorted({one["seed"] for one in done.values()})
+    seeds = sorted({record["seed"] for record in done.values()})
     return Gathered(
         seeds=[seeds[0], seeds[-1]],
         figures=figures(done),

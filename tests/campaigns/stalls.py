@@ -69,19 +69,19 @@ def posterior(trials, seed):
     if weighed is None:  # weights with heavy tails: chains, as the claims take them
         density, chart = model.log_posterior, chart_of(model)
         z = sample(density, laplace, Sampler(), seed, chart=chart).z
-        found = {"pareto_k": None}
+        errors = {"pareto_k": None}
     else:
         evidence, z = weighed
-        found = {"pareto_k": evidence.pareto_k}
+        errors = {"pareto_k": evidence.pareto_k}
     named = model.by_name(model.natural(z.reshape(-1, z.shape[-1])))
     for size, law in LAWS.items():
         for name, value in law._asdict().items():
             draws = named[f"{name}[{size}]"]
-            found[f"{name}[{size}]"] = {
+            errors[f"{name}[{size}]"] = {
                 "error": float(draws.mean() - value),
                 "sd": float(draws.std()),
             }
-    return found
+    return errors
 
 
 def bias(cases, which):
@@ -89,22 +89,23 @@ def bias(cases, which):
 
     The sizes of a recording share its scatter, so recordings are the unit.
     """
-    found = {}
+    biases = {}
     for name in ("c1", "c2"):
-        each = np.array(
+        offsets = np.array(
             [
                 np.mean(
                     [
-                        one[which][f"{name}[{size}]"]["error"] / one[which][f"{name}[{size}]"]["sd"]
+                        record[which][f"{name}[{size}]"]["error"]
+                        / record[which][f"{name}[{size}]"]["sd"]
                         for size in LAWS
                     ]
                 )
-                for one in cases
+                for record in cases
             ]
         )
-        error = each.std(ddof=1) / np.sqrt(each.size) if each.size > 1 else float("nan")
-        found[name] = {"bias_in_sd": float(each.mean()), "standard_error": float(error)}
-    return found
+        error = offsets.std(ddof=1) / np.sqrt(offsets.size) if offsets.size > 1 else float("nan")
+        biases[name] = {"bias_in_sd": float(offsets.mean()), "standard_error": float(error)}
+    return biases
 
 
 def run(seeds, folder):
@@ -116,13 +117,13 @@ def run(seeds, folder):
 def gather(folder):
     """Run the campaign."""
     done = run(SEEDS, folder)
-    at_rest = sum(one["at_rest"] for one in done) / len(done)
+    at_rest = sum(record["at_rest"] for record in done) / len(done)
     figures = {"recordings": len(done), "share_at_rest": at_rest}
     return Gathered(
         seeds=[SEEDS.start, SEEDS.stop - 1],
         figures=figures | {which: bias(done, which) for which in ("with", "without")},
         cases=done,
-        fixed=[one for one in done if one["seed"] in FIXED_SEEDS],
+        fixed=[record for record in done if record["seed"] in FIXED_SEEDS],
     )
 
 
@@ -133,12 +134,12 @@ def promises(figures):
         *(
             Outcome(
                 f"bias of {name} over {figures['recordings']} recordings, in posterior sd",
-                found["bias_in_sd"],
+                bias_of["bias_in_sd"],
                 -LARGEST_BIAS,
                 LARGEST_BIAS,
-                found["bias_in_sd"] - 1.96 * found["standard_error"],
-                found["bias_in_sd"] + 1.96 * found["standard_error"],
+                bias_of["bias_in_sd"] - 1.96 * bias_of["standard_error"],
+                bias_of["bias_in_sd"] + 1.96 * bias_of["standard_error"],
             )
-            for name, found in figures["with"].items()
+            for name, bias_of in figures["with"].items()
         ),
     ]

@@ -22,7 +22,10 @@ def repeated(tmp_path_factory):
 
 @pytest.mark.nightly
 def test_each_agrees_with_the_evidence(repeated):
-    cases = {(one["effect"], one["seed"]): one for one in evidence.read("bayes_factors")["fixed"]}
+    cases = {
+        (record["effect"], record["seed"]): record
+        for record in evidence.read("bayes_factors")["fixed"]
+    }
     for now in repeated:
         then = cases[now["effect"], now["seed"]]
         assert now["acts"] == then["acts"]
@@ -64,13 +67,13 @@ def figures(log_factor, narrow, acts):
 
 def test_figures_of_a_conjugate_pair():
     log_factor, narrow, acts = conjugate_pair(1)
-    found = figures(log_factor, narrow, acts)
-    assert bayes_factors.faults(found) == []
+    entry = figures(log_factor, narrow, acts)
+    assert bayes_factors.faults(entry) == []
     shifted = " ".join(bayes_factors.faults(figures(log_factor + 0.7, narrow + 0.7, acts)))
     for check in ("bins", "Spiegelhalter", "identity without", "identity with the"):
         assert check in shifted
     # The frequencies are those of the bins: counted again, they make up all that act.
-    acting = sum(one["frequency"] * one["recordings"] for one in found["reliability"])
+    acting = sum(point["frequency"] * point["recordings"] for point in entry["reliability"])
     assert acting == pytest.approx(acts.sum(), rel=1e-12)
 
 

@@ -13,9 +13,9 @@ from bayesfric.campaign import run_on_processes
 
 def test_a_repeat_is_within_its_reported_errors():
     """Of no seed that the campaign has."""
-    for name, found in bridging.case(bridging.SEEDS.stop)["densities"].items():
-        assert found["error"] <= 0.02, name
-        assert abs(found["difference"]) < 4.5 * found["error"], name
+    for name, record in bridging.case(bridging.SEEDS.stop)["densities"].items():
+        assert record["error"] <= 0.02, name
+        assert abs(record["difference"]) < 4.5 * record["error"], name
 
 
 @pytest.fixture(scope="module")
@@ -28,11 +28,11 @@ def first_ten(tmp_path_factory):
 @pytest.mark.nightly
 def test_ten_repeats_are_within_three_reported_errors_and_small(first_ten):
     """Of 40 estimates one beyond three errors is chance, two are not."""
-    every = [found for case in first_ten for found in case["densities"].values()]
-    assert max(found["error"] for found in every) <= 0.02
-    far = [found for found in every if abs(found["difference"]) > 3 * found["error"]]
+    every = [record for case in first_ten for record in case["densities"].values()]
+    assert max(record["error"] for record in every) <= 0.02
+    far = [record for record in every if abs(record["difference"]) > 3 * record["error"]]
     assert len(far) <= 1
-    assert all(abs(found["difference"]) < 4.5 * found["error"] for found in every)
+    assert all(abs(record["difference"]) < 4.5 * record["error"] for record in every)
 
 
 @pytest.mark.nightly

@@ -9,15 +9,15 @@ from campaigns import calibration, evidence
 
 @pytest.mark.nightly
 def test_fifty_recordings_are_calibrated(tmp_path):
-    found = calibration.run(calibration.NIGHTLY_CASES, tmp_path)
-    assert len(found.quantities) == calibration.QUANTITIES
-    assert found.calibrated, found.attention
+    calibrated = calibration.run(calibration.NIGHTLY_CASES, tmp_path)
+    assert len(calibrated.quantities) == calibration.QUANTITIES
+    assert calibrated.calibrated, calibrated.attention
 
 
 @pytest.mark.nightly
 def test_they_are_those_of_the_evidence(tmp_path):
     """The same seed gives the same truths and, within Monte Carlo error, the same ranks."""
-    found = calibration.run(calibration.FIXED_CASES, tmp_path)
-    for now, then in zip(found.cases, evidence.read("calibration")["fixed"], strict=True):
+    calibrated = calibration.run(calibration.FIXED_CASES, tmp_path)
+    for now, then in zip(calibrated.cases, evidence.read("calibration")["fixed"], strict=True):
         for name, rank in now.ranks.items():
             assert abs(rank - then["ranks"][name]) <= 25, name  # 4 sd of a rank's own error

@@ -19,10 +19,10 @@ def test_figures_by_hand():
         {"verdict": "no-gap", "causes": [], "panels": 9, "without_zero": ["velocity"]},
         {"verdict": "named", "causes": ["viscous"], "panels": 7, "without_zero": []},
     ]
-    found = empty_boards.figures(done)
-    assert found["verdicts"] == {"no-gap": 1, "undecided": 0}
-    assert (found["named"], found["panels"], found["without_zero"]) == (1, 16, 1)
-    assert found["share"] == 1 / 16
+    summary = empty_boards.figures(done)
+    assert summary["verdicts"] == {"no-gap": 1, "undecided": 0}
+    assert (summary["named"], summary["panels"], summary["without_zero"]) == (1, 16, 1)
+    assert summary["share"] == 1 / 16
 
 
 @pytest.mark.nightly

@@ -11,7 +11,9 @@ from campaigns import evidence, friction_evidence
 @pytest.mark.nightly
 def test_the_law_agrees_and_repeats():
     now = friction_evidence.case(friction_evidence.FIXED)
-    assert all(one.met for one in friction_evidence.promises(friction_evidence.figures([now])))
+    assert all(
+        outcome.met for outcome in friction_evidence.promises(friction_evidence.figures([now]))
+    )
     (then,) = evidence.read("friction_evidence")["fixed"]
     for method in ("bridge", "importance"):
         error = np.hypot(now[f"{method}_error"], then[f"{method}_error"])

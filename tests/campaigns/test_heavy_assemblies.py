@@ -19,11 +19,11 @@ def test_coverage_by_hand():
         for level in heavy_assemblies.LEVELS
         for rank in (0.5, 0.97)
     ]
-    found = heavy_assemblies.figures(done)["normal"]
-    assert found["recordings"] == 2
-    assert found["c1"]["coverage"] == 0.5
-    assert found["c1"]["median_relative_sd"] == pytest.approx(0.735)
-    assert found["c3"]["coverage"] == 0.0
+    entry = heavy_assemblies.figures(done)["normal"]
+    assert entry["recordings"] == 2
+    assert entry["c1"]["coverage"] == 0.5
+    assert entry["c1"]["median_relative_sd"] == pytest.approx(0.735)
+    assert entry["c3"]["coverage"] == 0.0
 
 
 @pytest.mark.nightly

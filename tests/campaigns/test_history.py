@@ -32,7 +32,7 @@ def test_a_rate_has_the_interval_of_clopper_and_pearson():
 
 
 @pytest.mark.parametrize(
-    ("before", "now", "told"),
+    ("before", "now", "noticed"),
     [
         # Of Fisher's test: 48 of 50 and 40 of 50 differ with p = 0.028, and 35 of 50 with 0.0008.
         (share(48, 50), share(40, 50), False),
@@ -44,9 +44,9 @@ def test_a_rate_has_the_interval_of_clopper_and_pearson():
         (ROW | {"value": "1"}, ROW | {"value": "9"}, False),
     ],
 )
-def test_a_change_beyond_chance_is_told_until_it_has_a_note(before, now, told):
+def test_a_change_beyond_chance_is_told_until_it_has_a_note(before, now, noticed):
     now = now | {"version": "0.10.0"}
-    assert bool(history.changes([now, before])) is told
+    assert bool(history.changes([now, before])) is noticed
     assert history.changes([now | {"note": "another design"}, before]) == []
 
 

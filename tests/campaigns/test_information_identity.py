@@ -13,4 +13,4 @@ NIGHTLY_CASES = 50
 def test_fifty_recordings_have_the_scores_of_their_likelihood(tmp_path):
     done = information_identity.run(NIGHTLY_CASES, tmp_path)
     figures = information_identity.figures(done)
-    assert all(one.met for one in information_identity.promises(figures)), figures
+    assert all(outcome.met for outcome in information_identity.promises(figures)), figures

@@ -21,14 +21,14 @@ def test_coverage_by_hand():
         for level in intercept_scatter.LEVELS
         for rank in ranks
     ]
-    found = intercept_scatter.figures(done)["0.07"]
-    assert found["recordings"] == 4
-    assert found["largest_r_hat"] == 0.99
-    assert found["c1"]["coverage"] == 0.75
-    assert found["c1"]["low"] == pytest.approx(0.1941, abs=1e-4)  # of Clopper and Pearson
-    assert found["c1"]["high"] == pytest.approx(0.9937, abs=1e-4)
-    assert found["c2"]["coverage"] == 1.0
-    assert found["c3"]["coverage"] == 0.0
+    entry = intercept_scatter.figures(done)["0.07"]
+    assert entry["recordings"] == 4
+    assert entry["largest_r_hat"] == 0.99
+    assert entry["c1"]["coverage"] == 0.75
+    assert entry["c1"]["low"] == pytest.approx(0.1941, abs=1e-4)  # of Clopper and Pearson
+    assert entry["c1"]["high"] == pytest.approx(0.9937, abs=1e-4)
+    assert entry["c2"]["coverage"] == 1.0
+    assert entry["c3"]["coverage"] == 0.0
 
 
 @pytest.mark.nightly
@@ -37,7 +37,8 @@ def test_the_first_recordings_are_those_of_the_evidence(tmp_path):
     cases = intercept_scatter.cases(seeds)
     done = run_on_processes(intercept_scatter.case, cases, tmp_path, workers=2).values()
     recorded = {
-        (one["seed"], one["level"]): one for one in evidence.read("intercept_scatter")["fixed"]
+        (record["seed"], record["level"]): record
+        for record in evidence.read("intercept_scatter")["fixed"]
     }
     for now in done:
         then = recorded[now["seed"], now["level"]]

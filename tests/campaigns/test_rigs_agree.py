@@ -15,14 +15,14 @@ def test_verdicts_are_counted_by_kind_and_claim():
         for kind in rigs_agree.KINDS
         for verdict in verdicts
     ]
-    found = rigs_agree.figures(done)["apart: rigs-agree"]
-    assert found["supported"] == {
+    entry = rigs_agree.figures(done)["apart: rigs-agree"]
+    assert entry["supported"] == {
         "count": 2,
         "of": 10,
         "low": pytest.approx(0.0252, abs=1e-4),
         "high": pytest.approx(0.5561, abs=1e-4),
     }
-    assert found["undecided"]["count"] == 8
+    assert entry["undecided"]["count"] == 8
 
 
 @pytest.mark.nightly

@@ -14,6 +14,6 @@ def test_a_few_agree_with_the_evidence(tmp_path):
         then = recorded[now["seed"]]
         assert now["at_rest"] == then["at_rest"]
         for which in ("with", "without"):
-            for name, one in now[which].items():
+            for name, entry in now[which].items():
                 if name != "pareto_k":
-                    assert abs(one["error"] - then[which][name]["error"]) < 0.3 * one["sd"]
+                    assert abs(entry["error"] - then[which][name]["error"]) < 0.3 * entry["sd"]

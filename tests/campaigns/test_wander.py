@@ -18,5 +18,5 @@ def test_figures_by_hand():
         {"converged": rank == 0.5, "ranks": dict.fromkeys(wander.NAMES, rank)}
         for rank in (0.5, 0.99)
     ]
-    found = wander.figures(done)
-    assert (found["wander"], found["converged"], found["recordings"]) == (0.5, 1, 2)
+    figures = wander.figures(done)
+    assert (figures["wander"], figures["converged"], figures["recordings"]) == (0.5, 1, 2)

@@ -5,7 +5,7 @@ from campaigns import where
 from bayesfric.effects import all_effects
 
 
-def found(kind="viscous", **changes):
+def record(kind="viscous", **changes):
     """Return a case in which all is right, but for what is changed."""
     return {
         "source": "reference", "kind": kind, "verdict": "named", "causes": [kind],
@@ -23,10 +23,10 @@ def test_a_named_effect_is_judged_by_its_own_axes_and_an_outsider_by_the_truth()
 
 def test_figures_by_hand():
     done = {
-        "a": found(),
-        "b": found(first="setup", right=False),
-        "c": found(practical=0.3, right=False),  # no gap that counts
-        "d": found("x-detent", verdict="unknown", causes=[], whole=1.1),
+        "a": record(),
+        "b": record(first="setup", right=False),
+        "c": record(practical=0.3, right=False),  # no gap that counts
+        "d": record("x-detent", verdict="unknown", causes=[], whole=1.1),
     }
     figures = where.figures(done)
     assert (figures["rates"]["named"]["right"], figures["rates"]["named"]["of"]) == (1, 2)
@@ -36,5 +36,5 @@ def test_figures_by_hand():
 
 
 def test_19_in_20_named_and_17_in_20_unknown_are_promised():
-    figures = where.figures({"a": found(), "b": found("x-detent", verdict="unknown", causes=[])})
+    figures = where.figures({"a": record(), "b": record("x-detent", verdict="unknown", causes=[])})
     assert [(row.least, row.value) for row in where.promises(figures)] == [(0.95, 1.0), (0.85, 1.0)]

@@ -27,11 +27,11 @@ def case(seed):
     recording = simulate_recording(DESIGN, seed=seed, truth=TRUTH, rigs=("gravity",))
     analysis = Analysis()
     with threadpool_limits(limits=1):
-        model = Model([one.likelihood(analysis) for one in open_rigs(recording, ["gravity"])])
+        model = Model([rig.likelihood(analysis) for rig in open_rigs(recording, ["gravity"])])
         theta = model.natural(draw_posterior(model, analysis).z)
     named = model.by_name(theta.reshape(-1, theta.shape[-1]))
     ranks = {name: float((named[name] < getattr(TRUTH, name)).mean()) for name in NAMES}
-    converged = all(one.converged for one in diagnose_all(theta))
+    converged = all(diagnostic.converged for diagnostic in diagnose_all(theta))
     return {"seed": seed, "converged": converged, "ranks": ranks}
 
 
@@ -43,7 +43,7 @@ def coverage(cases):
 
 def figures(done):
     """Return coverage by parameter, and of how many recordings that converged."""
-    converged = sum(one["converged"] for one in done)
+    converged = sum(record["converged"] for record in done)
     return coverage(done) | {"recordings": len(done), "converged": converged}
 
 

@@ -62,14 +62,14 @@ def cases():
     """Return where a recording is from, what acts in it and its seed, by name."""
     reference = engine_of("reference").effect_names()
     kinds = {
-        "reference": [*reference, *(one.name for one in OUTSIDERS)],
+        "reference": [*reference, *(outsider.name for outsider in OUTSIDERS)],
         "axis": list(axes.EFFECTS),
         "points": list(POINTS),
     }
     if second_world.WORLD in os.environ:
         world = second_world.world()
         kinds["second"] = [*world.effects(), *world.unlisted()]
-    each = [
+    ordered = [
         (place / len(own), source, kind)
         for source, own in kinds.items()
         for place, kind in enumerate(own)
@@ -79,7 +79,7 @@ def cases():
     return {
         f"{seed:02d}-{source}-{kind}": (source, kind, seed)
         for seed in SEEDS
-        for _, source, kind in sorted(each)
+        for _, source, kind in sorted(ordered)
     }
 
 
@@ -122,24 +122,24 @@ def case(given):
     """Diagnose one recording; say where its gap is said to lie, and whether that is right."""
     source, kind, seed = given
     with tempfile.TemporaryDirectory() as place:
-        found = diagnose(recorded(source, kind, seed, Path(place))).summary
-    first = next((axis for axis in found.where if axis.share is not None), None)
-    causes = [cause.effect for cause in found.causes]
-    shares = [axis.share.mean for axis in found.where if axis.share is not None]
+        summary = diagnose(recorded(source, kind, seed, Path(place))).summary
+    first = next((axis for axis in summary.where if axis.share is not None), None)
+    causes = [cause.effect for cause in summary.causes]
+    shares = [axis.share.mean for axis in summary.where if axis.share is not None]
     return {
         "source": source,
         "kind": kind,
-        "verdict": found.verdict,
+        "verdict": summary.verdict,
         "causes": causes,
-        "practical": found.gap.probability_above_practical,
+        "practical": summary.gap.probability_above_practical,
         "first": None if first is None else first.axis,
         "share": None if first is None else first.share.q50,
         "leads": first is not None and first.leads,
-        "told": "It varies most with" in found.sentence,
-        "whole": sum(shares) + found.unexplained.mean,
+        "told": "It varies most with" in summary.sentence,
+        "whole": sum(shares) + summary.unexplained.mean,
         "least": min(shares, default=0.0),
         "right": first is not None
-        and first.axis in right_axes(kind, found.verdict, causes, source),
+        and first.axis in right_axes(kind, summary.verdict, causes, source),
     }
 
 
@@ -152,12 +152,12 @@ def right_axes(kind, verdict, causes, source):
     return set(OUTSIDE[kind]) if kind in OUTSIDE else set(all_effects(None)[kind].axes)
 
 
-def group_of(found):
+def group_of(record):
     """Return what a case counts for: a verdict of practical size, or nothing."""
-    if found["verdict"] == "named" and found["practical"] >= 0.9:
+    if record["verdict"] == "named" and record["practical"] >= 0.9:
         return "named"
-    known = found["kind"] in OUTSIDE or found["source"] == "points"
-    return "unknown" if found["verdict"] == "unknown" and known else None
+    beyond = record["kind"] in OUTSIDE or record["source"] == "points"
+    return "unknown" if record["verdict"] == "unknown" and beyond else None
 
 
 def figures(done):
@@ -170,42 +170,48 @@ def figures(done):
     """
     rates = {}
     for group in AT_LEAST:
-        own = [one for one in done.values() if group_of(one) == group]
+        own = [record for record in done.values() if group_of(record) == group]
         rates[group] = _rate(own)
-        for source in sorted({one["source"] for one in own}):
-            rates[f"{group}, {source}"] = _rate([one for one in own if one["source"] == source])
+        for source in sorted({record["source"] for record in own}):
+            rates[f"{group}, {source}"] = _rate(
+                [record for record in own if record["source"] == source]
+            )
     return {
         "cases": len(done),
         "rates": rates,
         "wrong": {
-            name: [one["verdict"], one["causes"], one["first"], one["leads"]]
-            for name, one in done.items()
-            if group_of(one) is not None and not one["right"]
+            name: [record["verdict"], record["causes"], record["first"], record["leads"]]
+            for name, record in done.items()
+            if group_of(record) is not None and not record["right"]
         },
         "wrongly_told": sorted(
             name
-            for name, one in done.items()
-            if group_of(one) is not None and one["told"] and not one["right"]
+            for name, record in done.items()
+            if group_of(record) is not None and record["told"] and not record["right"]
         ),
         "not_whole": sorted(
-            name for name, one in done.items() if abs(one["whole"] - 1) > 1e-6 or one["least"] < 0
+            name
+            for name, record in done.items()
+            if abs(record["whole"] - 1) > 1e-6 or record["least"] < 0
         ),
     }
 
 
-def _rate(found):
-    right = sum(one["right"] for one in found)
-    if not found:
+def _rate(records):
+    right = sum(record["right"] for record in records)
+    if not records:
         return {"right": 0, "of": 0, "95": [0.0, 1.0]}
-    interval = binomtest(right, len(found)).proportion_ci(0.95, method="wilson")
-    return {"right": right, "of": len(found), "95": [interval.low, interval.high]}
+    interval = binomtest(right, len(records)).proportion_ci(0.95, method="wilson")
+    return {"right": right, "of": len(records), "95": [interval.low, interval.high]}
 
 
 def gather(folder):
     """Run the campaign."""
     asked = cases()
     if "BAYESFRIC_WHERE_SO_FAR" in os.environ:
-        asked = {name: one for name, one in asked.items() if (folder / f"{name}.json").exists()}
+        asked = {
+            name: record for name, record in asked.items() if (folder / f"{name}.json").exists()
+        }
     done = run_on_processes(case, asked, folder, workers=2)
     return Gathered(
         seeds=[SEEDS.start, SEEDS.stop - 1], figures=figures(done), cases=list(done.values())

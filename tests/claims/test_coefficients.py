@@ -40,8 +40,8 @@ def test_the_largest_difference_is_that_at_a_corner_of_table_2():
         65 * 0.3 * c3 * 33 / ((c1 + 65 * 1.3 * c3) * 33 + c2),
         40 * 0.3 * c3 * 33 / ((c1 - 40 * 1.3 * c3) * 33 + c2),
     )
-    found = largest_difference(draws_of(c3=1.3), ["small"])[0]
-    assert found == pytest.approx(max(by_hand), rel=1e-12)
+    difference = largest_difference(draws_of(c3=1.3), ["small"])[0]
+    assert difference == pytest.approx(max(by_hand), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -71,23 +71,23 @@ def test_a_single_cell_supports_nothing(one_cell):
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     drawn = sample(model.log_posterior, laplace, SHORT, 1).z.reshape(-1, laplace.mode.size)
     posterior = {"gravity": model.by_name(model.natural(drawn))}
-    found = CLAIM.judge(CLAIM, Case(one_cell, analysis, entered, {}, posterior=posterior))
-    assert found.verdict == "undecided"
-    assert "c3[small]" in found.figures["uninformed"]
-    assert "the prior, not these data" in found.reason
+    finding = CLAIM.judge(CLAIM, Case(one_cell, analysis, entered, {}, posterior=posterior))
+    assert finding.verdict == "undecided"
+    assert "c3[small]" in finding.figures["uninformed"]
+    assert "the prior, not these data" in finding.reason
 
 
 def test_an_informed_recording_supports_table_1_and_refutes_another():
-    known = simulate_recording("quick", seed=6, rigs=("gravity",))
+    informed = simulate_recording("quick", seed=6, rigs=("gravity",))
     laws = {
         s: law._replace(c1=1.12 * law.c1, c2=1.12 * law.c2, c3=1.12 * law.c3)
         for s, law in table1_coefficients().items()
     }
     other = simulate_recording("quick", seed=6, rigs=("gravity",), truth=Truth(coefficients=laws))
     verdicts = [
-        check_claims(by_acceleration(one), Analysis(seed=1), only=["coefficients"]).summary.claims[
-            0
-        ]
-        for one in (known, other)
+        check_claims(
+            by_acceleration(board), Analysis(seed=1), only=["coefficients"]
+        ).summary.claims[0]
+        for board in (informed, other)
     ]
-    assert [one.verdict for one in verdicts] == ["supported", "refuted"]
+    assert [claim.verdict for claim in verdicts] == ["supported", "refuted"]

@@ -17,18 +17,18 @@ from bayesfric.simulate import simulate_recording
 def test_a_prior_of_the_analysis_takes_the_place_of_the_effect_s(tmp_path):
     file = tmp_path / "analysis.toml"
     file.write_text('[priors.effects.viscous]\nslope = { family = "half-normal", scale = 0.3 }\n')
-    found = with_priors(all_effects(), read_analysis(file).priors.effects)
-    assert found["viscous"].amplitude.prior == HalfNormal(scale=0.3)
-    assert {n for n in found if found[n] != all_effects()[n]} == {"viscous"}
+    effects = with_priors(all_effects(), read_analysis(file).priors.effects)
+    assert effects["viscous"].amplitude.prior == HalfNormal(scale=0.3)
+    assert {n for n in effects if effects[n] != all_effects()[n]} == {"viscous"}
     assert with_priors(all_effects(), {}) == all_effects()
 
 
 def test_a_shape_s_prior_leaves_the_amplitude_s():
     shape = all_effects()["stribeck"].shape
     wide = HalfNormal(scale=1.0)
-    found = with_priors(all_effects(), {"stribeck": {shape.name: wide}})["stribeck"]
-    assert found.shape.prior == wide
-    assert found.amplitude == all_effects()["stribeck"].amplitude
+    stribeck = with_priors(all_effects(), {"stribeck": {shape.name: wide}})["stribeck"]
+    assert stribeck.shape.prior == wide
+    assert stribeck.amplitude == all_effects()["stribeck"].amplitude
 
 
 @pytest.mark.parametrize(

@@ -20,13 +20,15 @@ def both():
 def test_data_are_of_each_rig_of_each_size_and_of_two_rigs(both):
     names = set(Entered.of(both).data)
     sizes = ("small", "medium", "large")
-    each = {f"{rig}/{size}" for rig in ("gravity", "motor") for size in sizes}
-    assert names == {"gravity", "motor", "gravity+motor", "motor+gravity"} | each
+    by_size = {f"{rig}/{size}" for rig in ("gravity", "motor") for size in sizes}
+    assert names == {"gravity", "motor", "gravity+motor", "motor+gravity"} | by_size
 
 
 def test_a_claim_takes_the_rig_that_moves_as_it_needs(both):
     entered = Entered.of(both)
-    taken = {one.name: one.subject(entered) for one in registered() if one.regime is not None}
+    taken = {
+        claim.name: claim.subject(entered) for claim in registered() if claim.regime is not None
+    }
     assert taken.pop("no-viscous-motor") == "motor"
     assert taken.pop("rigs-agree") == taken.pop("rigs-mostly-agree") == "gravity+motor"
     assert set(taken.values()) == {"gravity"}
@@ -34,8 +36,8 @@ def test_a_claim_takes_the_rig_that_moves_as_it_needs(both):
 
 def test_a_rig_that_was_not_asked_for_is_said_to_be_left_out(both):
     checked = check_claims(both, only=["no-viscous-motor"], rigs=["gravity"])
-    (one,) = checked.summary.claims
-    assert (one.verdict, one.reason) == ("not-testable", "The motor board was left out.")
+    (result,) = checked.summary.claims
+    assert (result.verdict, result.reason) == ("not-testable", "The motor board was left out.")
     assert checked.summary.rigs == ("gravity",)
 
 
@@ -49,16 +51,18 @@ def test_a_rival_that_a_rig_cannot_show_makes_the_claim_not_testable_with_the_re
         return Unsupported(reason) if effect.name == "stribeck" else None
 
     monkeypatch.setattr(type(Entered.of(both).trials("gravity")), "supports", unable)
-    lacking = {one.name: one.untestable(Entered.of(both)) for one in registered()}
+    lacking = {claim.name: claim.untestable(Entered.of(both)) for claim in registered()}
     assert lacking.pop("no-stribeck") == reason
     assert set(lacking.values()) == {""}
 
 
 def test_the_law_that_is_claimed_is_the_baseline(both):
-    tasks = [task for one in registered() for task in one.tasks(Entered.of(both, law="recursive"))]
+    tasks = [
+        task for claim in registered() for task in claim.tasks(Entered.of(both, law="recursive"))
+    ]
     assert {task.hypothesis.law for task in tasks} == {"recursive", "no-wrap", "bearing-load"}
-    found = check_claims(both, only=["nominal-tension"], baseline="recursive").summary
-    assert found.baseline == "recursive"
+    summary = check_claims(both, only=["nominal-tension"], baseline="recursive").summary
+    assert summary.baseline == "recursive"
 
 
 @pytest.mark.parametrize("asked", [{"rigs": ["crane"]}, {"baseline": "newton"}])
@@ -70,9 +74,9 @@ def test_what_there_is_not_is_refused(both, asked):
 @pytest.mark.parametrize("asked", [("--rigs", "crane"), ("--baseline", "newton")])
 def test_the_verb_hands_on_what_is_asked(small_recording, tmp_path, asked):
     write_recording(small_recording, tmp_path / "board")
-    found = CliRunner().invoke(
+    refused = CliRunner().invoke(
         app, ["claims", str(tmp_path / "board"), "-o", str(tmp_path / "out"), *asked]
     )
-    assert found.exit_code == 2
-    assert asked[1] in found.output
+    assert refused.exit_code == 2
+    assert asked[1] in refused.output
     assert not (tmp_path / "out" / "claims.json").exists()

@@ -31,14 +31,14 @@ def whole(recording):
 @pytest.fixture
 def studied(monkeypatch):
     """How often each hypothesis is studied."""
-    found, study = Counter(), studies._study_one
+    counts, study = Counter(), studies._study_one
 
     def counted(given):
-        found[studies._name(given)] += 1
+        counts[studies._name(given)] += 1
         return study(given)
 
     monkeypatch.setattr(studies, "_study_one", counted)
-    return found
+    return counts
 
 
 def interrupted_after(pieces):
@@ -69,20 +69,20 @@ def test_no_study_is_done_twice_and_the_bytes_are_the_same(
     start(recording, tmp_path / "c", 3)
     assert pieces_of(tmp_path / "c") == set(studied)
     assert len(studied) == 3
-    told = []
+    progressed = []
 
     def progress(done, total):
-        told.append((done, total))
+        progressed.append((done, total))
 
     with ThreadPoolExecutor(1) as pool:
         executor = pool if threads else None
-        found = judge(recording, tmp_path / "c", executor=executor, progress=progress)
+        resumed = judge(recording, tmp_path / "c", executor=executor, progress=progress)
     assert set(studied.values()) == {1}
     assert pieces_of(tmp_path / "c") == set(studied)
-    assert [done for done, _ in told] == list(range(1, len(studied) + 1))
-    assert all(done <= total for done, total in told)
-    assert json_bytes(found.summary) == json_bytes(whole.summary)
-    assert found.curves.identical(whole.curves)
+    assert [done for done, _ in progressed] == list(range(1, len(studied) + 1))
+    assert all(done <= total for done, total in progressed)
+    assert json_bytes(resumed.summary) == json_bytes(whole.summary)
+    assert resumed.curves.identical(whole.curves)
 
 
 def other_settings(recording):

@@ -23,8 +23,8 @@ def test_arviz_finds_the_rival_whose_every_assembly_is_less_likely():
     setups = tuple(f"s{place:03d}" for place in range(12))
     theta = {"tau": rng.normal(size=(4, 250))}
     law, rival, third, fourth = (
-        Task("gravity", one)
-        for one in (
+        Task("gravity", law_with_effects)
+        for law_with_effects in (
             LawWithEffects(),
             LawWithEffects(effects=(("viscous", "constant"),)),
             LawWithEffects(effects=(("slip", "constant"),)),
@@ -52,8 +52,8 @@ def test_arviz_finds_the_rival_whose_every_assembly_is_less_likely():
     assert set(groups) == {
         "models",
         *(
-            f"models/gravity/{one}/{group}"
-            for one in ("paper", "viscous/constant")
+            f"models/gravity/{model}/{group}"
+            for model in ("paper", "viscous/constant")
             for group in ("posterior", "log_likelihood")
         ),
     }
@@ -89,7 +89,7 @@ def test_arviz_compares_the_claim_with_its_best_rival_as_the_claim_does(checked,
 def test_each_hypothesis_has_draws_or_a_reason(checked):
     models = checked.curves["models"]
     (claim,) = checked.summary.claims
-    drawn = {f"/models/{one}" for one in models["hypothesis"].to_numpy()}
+    drawn = {f"/models/{hypothesis}" for hypothesis in models["hypothesis"].to_numpy()}
     drawn &= {node.path for node in models.subtree}
     for name, why in zip(models["hypothesis"].to_numpy(), models["why"].to_numpy(), strict=True):
         assert (f"/models/{name}" in drawn) == (not why), name
@@ -99,4 +99,4 @@ def test_each_hypothesis_has_draws_or_a_reason(checked):
         assert models[path]["log_likelihood"]["assembly"].shape[:2] == (4, 250)
         assert np.unique(posterior["tau"].to_numpy()).size > 100
     listed = set(claim.figures["log10_bayes_factor_against"])
-    assert {f"gravity/{one}" for one in listed} <= set(models["hypothesis"].to_numpy())
+    assert {f"gravity/{model}" for model in listed} <= set(models["hypothesis"].to_numpy())

@@ -14,7 +14,7 @@ from bayesfric.claims.entered import Entered
 
 
 def test_the_error_of_one_assembly_is_missing_with_its_reason():
-    found = Finding("undecided", "Odds of 1 to 1.", {}, 0.1, 0.1, 0.5, math.inf)
-    one = explained(_result(registered()[0], found, Entered({})))
-    assert (one.elpd_difference, one.elpd_difference_se) == (0.5, None)
-    assert one.elpd_difference_se_why == "there is only one assembly"
+    finding = Finding("undecided", "Odds of 1 to 1.", {}, 0.1, 0.1, 0.5, math.inf)
+    result = explained(_result(registered()[0], finding, Entered({})))
+    assert (result.elpd_difference, result.elpd_difference_se) == (0.5, None)
+    assert result.elpd_difference_se_why == "there is only one assembly"

@@ -32,21 +32,21 @@ def rival(sd):
 
 
 def test_weighted_draws_follow_the_closed_form():
-    found = rival(0.02)
+    study = rival(0.02)
     exact = [np.log(2 * stats.norm(0, np.hypot(0.02, SCALE * width)).pdf(0)) for width in WIDTHS]
-    assert found.widths + found.evidence.log_evidence == pytest.approx(exact, abs=0.01)
+    assert study.widths + study.evidence.log_evidence == pytest.approx(exact, abs=0.01)
 
 
 def test_an_effect_that_data_exclude_is_supported_from_that_width_on_that_gives_the_odds():
     sd = 0.02  # the 95 % bound, 0.039, is below the region of equivalence whatever the width
-    found = rival(sd)
+    study = rival(sd)
     own = np.log(2 * stats.norm(0, sd).pdf(0))
-    log10 = (own - found.widths - found.evidence.log_evidence) / np.log(10)
+    log10 = (own - study.widths - study.evidence.log_evidence) / np.log(10)
     case = Case(None, Analysis(priors=PRIORS), Entered({}), {}, all_effects())
-    verdicts = verdicts_over_widths(case, {RIVAL: found}, log10, 0.0)
+    verdicts = verdicts_over_widths(case, {RIVAL: study}, log10, 0.0)
     # 10 to 1 where the prior is ten times wider than what data leave.
     exact = [np.hypot(sd, SCALE * width) / sd >= 10 for width in WIDTHS]
-    assert [one == "supported" for one in verdicts] == exact
+    assert [verdict == "supported" for verdict in verdicts] == exact
     first = exact.index(True)
     assert same_around(verdicts, verdicts[MIDDLE]) == (
         (WIDTHS[first], WIDTHS[-1]) if first <= MIDDLE else (WIDTHS[0], WIDTHS[first - 1])

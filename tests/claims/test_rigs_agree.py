@@ -29,22 +29,22 @@ def two_rigs(factor, torque_constant=1.0, seed=101):
 
 
 def judged(recording):
-    (found,) = check_claims(recording, Analysis(seed=1), only=["rigs-agree"]).summary.claims
-    return found
+    (result,) = check_claims(recording, Analysis(seed=1), only=["rigs-agree"]).summary.claims
+    return result
 
 
 def test_equal_rigs_are_supported_though_the_torque_constant_is_off():
-    found = judged(two_rigs(1.0, torque_constant=1.04))
-    assert found.verdict == "supported"
-    assert found.figures["torque_constant_factor"] == pytest.approx(1.04, abs=0.003)
-    for size, low in found.figures["difference_q05"].items():
-        assert low - 0.02 < 0.0 < found.figures["difference_q95"][size] + 0.02
+    result = judged(two_rigs(1.0, torque_constant=1.04))
+    assert result.verdict == "supported"
+    assert result.figures["torque_constant_factor"] == pytest.approx(1.04, abs=0.003)
+    for size, low in result.figures["difference_q05"].items():
+        assert low - 0.02 < 0.0 < result.figures["difference_q95"][size] + 0.02
 
 
 def test_rigs_12_percent_apart_are_refuted_and_the_difference_is_found():
-    found = judged(two_rigs(1.12))
-    assert found.verdict == "refuted"
-    assert np.mean(list(found.figures["difference"].values())) == pytest.approx(0.12, abs=0.02)
+    result = judged(two_rigs(1.12))
+    assert result.verdict == "refuted"
+    assert np.mean(list(result.figures["difference"].values())) == pytest.approx(0.12, abs=0.02)
 
 
 def test_most_within_5_percent_and_all_within_10():
@@ -108,5 +108,5 @@ def test_rigs_without_a_size_in_common_cannot_be_compared():
         gravity=replace(recording.gravity, trials=small),
         motor=replace(recording.motor, runs=others),
     )
-    found = judged(apart)
-    assert (found.verdict, "no pulley size in common" in found.reason) == ("not-testable", True)
+    result = judged(apart)
+    assert (result.verdict, "no pulley size in common" in result.reason) == ("not-testable", True)

@@ -79,9 +79,9 @@ def test_a_claim_is_weighed_against_its_best_rival_and_dead_ones_do_not_flatter_
 
 
 def test_which_rival_is_best_may_change_with_the_width_of_its_prior():
-    own, one, two = study(0.0), study(-1.0, widths=[0.0, -5.0]), study(-3.0, widths=[0.0, 1.0])
-    assert bayes_factor(own, [one, two], 0)[0] == pytest.approx(1 / np.log(10))
-    assert bayes_factor(own, [one, two], 1)[0] == pytest.approx(2 / np.log(10))
+    own, narrow, two = study(0.0), study(-1.0, widths=[0.0, -5.0]), study(-3.0, widths=[0.0, 1.0])
+    assert bayes_factor(own, [narrow, two], 0)[0] == pytest.approx(1 / np.log(10))
+    assert bayes_factor(own, [narrow, two], 1)[0] == pytest.approx(2 / np.log(10))
 
 
 def test_the_threshold_of_support_is_the_user_s():
@@ -108,21 +108,21 @@ def test_tail_probability_is_that_of_a_chi_square():
     draws = rng.standard_normal((40_000, 2)) @ mix.T
     point = mix @ np.array([1.2, -0.9])  # 1.5 standard deviations from the middle
     exact = stats.chi2(2).sf(1.5**2)
-    found = tail_probability(draws, point, np.array([1e-9, 1e-9]))
-    assert found == pytest.approx(exact, rel=0.03)
+    probability = tail_probability(draws, point, np.array([1e-9, 1e-9]))
+    assert probability == pytest.approx(exact, rel=0.03)
     # All that rounds alike reaches the middle.
     assert tail_probability(draws, point, np.abs(point) + 0.1) == pytest.approx(1.0, abs=1e-3)
 
 
 def test_the_paper_against_itself():
-    found = {one.topic: one.figures for one in contradictions()}
-    one = found["friction of one trial"]
-    assert one["by_law_n"] == pytest.approx(9 * (0.00416 * 15.5 + 0.0165), abs=1e-12)
-    assert one["by_law_n"] == pytest.approx(0.729, abs=5e-4)
-    assert one["relative_difference"] == pytest.approx(0.12, abs=5e-3)
-    assert found["load on the bearings"]["load_n"] == pytest.approx(64, abs=0.5)
-    assert found["wrap angle of large pulleys"] == {"robot_deg": 180.0, "valid_to_deg": 150.0}
-    assert found["speed"] == {"robot_m_s": 12.0, "tested_m_s": 1.3}
+    figures = {contradiction.topic: contradiction.figures for contradiction in contradictions()}
+    friction = figures["friction of one trial"]
+    assert friction["by_law_n"] == pytest.approx(9 * (0.00416 * 15.5 + 0.0165), abs=1e-12)
+    assert friction["by_law_n"] == pytest.approx(0.729, abs=5e-4)
+    assert friction["relative_difference"] == pytest.approx(0.12, abs=5e-3)
+    assert figures["load on the bearings"]["load_n"] == pytest.approx(64, abs=0.5)
+    assert figures["wrap angle of large pulleys"] == {"robot_deg": 180.0, "valid_to_deg": 150.0}
+    assert figures["speed"] == {"robot_m_s": 12.0, "tested_m_s": 1.3}
 
 
 def ringing_recording(amplitude):
@@ -177,9 +177,9 @@ def test_what_is_not_about_the_data_says_so():
     recording = simulate_recording(
         Protocol({(9, 85.0): 1}, (16.0,), (), 2), seed=8, rigs=("gravity",)
     )
-    found = check_claims(recording, only=["nominal-tension"]).summary.claims[0]
-    assert "does not depend on these data" in found.reason
-    assert not found.about_these_data
+    claim = check_claims(recording, only=["nominal-tension"]).summary.claims[0]
+    assert "does not depend on these data" in claim.reason
+    assert not claim.about_these_data
     besides = {claim.name for claim in registered() if not claim.about_these_data}
     assert besides == {"nominal-tension", "stiffness-negligible"}
 
@@ -197,17 +197,17 @@ def test_what_is_not_about_the_data_says_so():
 )
 def test_what_did_not_vary_is_not_testable(design, claim):
     recording = simulate_recording(design, seed=2, rigs=("gravity",))
-    (found,) = check_claims(recording, only=[claim]).summary.claims
-    assert found.verdict == "not-testable"
-    assert found.log10_bayes_factor is None
-    assert found.log10_bayes_factor_why
+    (result,) = check_claims(recording, only=[claim]).summary.claims
+    assert result.verdict == "not-testable"
+    assert result.log10_bayes_factor is None
+    assert result.log10_bayes_factor_why
 
 
 def test_without_a_board_its_claims_are_not_testable():
     recording = simulate_recording("quick", seed=2, rigs=("motor",))
     wanted = ["no-viscous-gravity", "stiffness-negligible", "average-wrap", "rigs-agree"]
-    found = check_claims(recording, Analysis(), only=wanted).summary.claims
-    assert {one.verdict for one in found} == {"not-testable"}
+    results = check_claims(recording, Analysis(), only=wanted).summary.claims
+    assert {result.verdict for result in results} == {"not-testable"}
 
 
 @pytest.mark.parametrize(
@@ -215,11 +215,11 @@ def test_without_a_board_its_claims_are_not_testable():
 )
 def test_without_a_board_friction_at_constant_speed_is_judged(effects, verdict):
     recording = simulate_recording("points", seed=5, effects=effects)
-    (found,) = check_claims(recording, only=["linear-in-tension"]).summary.claims
-    assert found.verdict == verdict
-    assert found.reason.endswith(" Judged on points of the bench, at constant speed.")
-    warned = "The error of that prediction is itself not reliable" in found.reason
-    assert warned == (verdict == "refuted" and not found.figures["elpd_reliable"])
+    (claim,) = check_claims(recording, only=["linear-in-tension"]).summary.claims
+    assert claim.verdict == verdict
+    assert claim.reason.endswith(" Judged on points of the bench, at constant speed.")
+    warned = "The error of that prediction is itself not reliable" in claim.reason
+    assert warned == (verdict == "refuted" and not claim.figures["elpd_reliable"])
 
 
 @pytest.mark.parametrize(
@@ -231,22 +231,22 @@ def test_what_nobody_wrote_down_of_points_is_not_made_up(column, word):
     recording = simulate_recording("points", seed=5)
     recording = replace(recording, steady=recording.steady.drop(columns=column))
     wanted = ["coefficients", "linear-in-tension", "no-stribeck", "wrap-slope-proportional"]
-    for found in check_claims(recording, only=wanted).summary.claims:
-        assert (found.verdict, found.reason) == ("not-testable", f"The {word} is not recorded.")
+    for claim in check_claims(recording, only=wanted).summary.claims:
+        assert (claim.verdict, claim.reason) == ("not-testable", f"The {word} is not recorded.")
 
 
 def test_one_speed_both_ways_tells_nothing_of_stribeck():
     recording = simulate_recording("points", seed=5)
     steady = recording.steady.copy()
     steady["velocity_m_s"] = 0.6 * np.where(np.arange(len(steady)) % 2, 1.0, -1.0)
-    (found,) = check_claims(replace(recording, steady=steady), only=["no-stribeck"]).summary.claims
-    assert found.reason == "The speed takes 1 of at least 2 values."
+    (claim,) = check_claims(replace(recording, steady=steady), only=["no-stribeck"]).summary.claims
+    assert claim.reason == "The speed takes 1 of at least 2 values."
 
 
 def test_a_motor_board_that_is_asked_alone_stands_in_for_the_other():
     recording = simulate_recording("quick", seed=2)
-    (claim,) = (one for one in registered() if one.name == "proportional-to-pulleys")
+    (claim,) = (entry for entry in registered() if entry.name == "proportional-to-pulleys")
     both, motor = Entered.of(recording), Entered.of(recording, ["motor"])
-    assert [claim.subject(one) for one in (both, motor)] == ["gravity", "motor"]
+    assert [claim.subject(boards) for boards in (both, motor)] == ["gravity", "motor"]
     assert claim.elsewhere(both) == ""
     assert claim.elsewhere(motor) == " Judged on runs of the motor board, at constant speed."

@@ -25,8 +25,8 @@ FEW = Protocol({(9, 85.0): 1, (15, 50.0): 1, (5, 135.0): 1}, (6.0, 16.0, 28.0), 
 )
 def test_an_effect_is_seen_against_its_claim_and_no_other(effect, fallen):
     recording = simulate_recording(FEW, seed=3, effects={effect: 1.0})
-    found = screen_claims(by_acceleration(one_size(recording, "medium")))
-    assert {"no-stribeck", "linear-in-wrap", "proportional-to-pulleys"} <= set(found)
+    screened = screen_claims(by_acceleration(one_size(recording, "medium")))
+    assert {"no-stribeck", "linear-in-wrap", "proportional-to-pulleys"} <= set(screened)
     limit = ClaimRules().refute_log10_bayes_factor
     # Beyond three errors of the importance draws, so that no verdict hangs on these.
-    assert {n for n, (value, error) in found.items() if value + 3 * error < limit} == fallen
+    assert {n for n, (value, error) in screened.items() if value + 3 * error < limit} == fallen

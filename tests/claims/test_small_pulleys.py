@@ -36,15 +36,15 @@ def test_the_arc_is_sampled_in_square_roots(data):
 
 @pytest.mark.nightly
 def test_every_hypothesis_has_an_evidence_whatever_the_seed(data):
-    claim = next(one for one in registered() if one.name == "no-viscous-motor")
+    claim = next(entry for entry in registered() if entry.name == "no-viscous-motor")
     tasks = [Task(SUBJECT, law) for law in (LawWithEffects(), *claim.rivals)]
     first, second = (
         study_all(tasks, data, analysis, rival_effects(analysis), None)
         for analysis in (Analysis(seed=2015), Analysis(seed=7))
     )
     for task in tasks:
-        one, other = first[task].evidence, second[task].evidence
-        assert one is not None, first[task].why
+        evidence, other = first[task].evidence, second[task].evidence
+        assert evidence is not None, first[task].why
         assert other is not None, second[task].why
-        apart = abs(one.log_evidence - other.log_evidence)
-        assert apart < 4 * np.hypot(one.error, other.error), task
+        apart = abs(evidence.log_evidence - other.log_evidence)
+        assert apart < 4 * np.hypot(evidence.error, other.error), task

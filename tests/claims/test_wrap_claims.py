@@ -19,14 +19,14 @@ LAW = table1_coefficients()["medium"]
 
 
 def claim(name):
-    return next(one for one in registered() if one.name == name)
+    return next(entry for entry in registered() if entry.name == name)
 
 
 @pytest.mark.parametrize("law", list(DEPARTURE.laws))
 def test_the_wrap_slope_departs_from_proportion(law):
     """Slopes in the angle by hand: proportional to n² beyond n, or with an offset."""
     share, n = 0.2, np.array([0.0, 9.0, 18.0])
-    one = float(coulomb_friction(LAW, 1, 85.0, 15.0))
+    friction = float(coulomb_friction(LAW, 1, 85.0, 15.0))
 
     def force(wrap, tension):
         state = State.of(LAW, n, wrap, tension, 0.5)
@@ -34,7 +34,7 @@ def test_the_wrap_slope_departs_from_proportion(law):
 
     slope = (force(135.0, 15.0) - force(85.0, 15.0)) / 50
     by_hand = {"bent": [0.0, 0.0, 18.0], "offset": [9.0, 0.0, -9.0]}[law]
-    assert slope == pytest.approx(share * one / 50 * np.array(by_hand), rel=1e-12)
+    assert slope == pytest.approx(share * friction / 50 * np.array(by_hand), rel=1e-12)
     assert force(85.0, 30.0) == pytest.approx(0.0)
     assert force(135.0, 30.0) == pytest.approx(2 * force(135.0, 15.0))
 
@@ -42,8 +42,8 @@ def test_the_wrap_slope_departs_from_proportion(law):
 def test_pulleys_bent_in_their_own_angle_add_up_to_the_spread():
     """Five pulleys, each with b ((θ − mean) / 50°)² of a pulley's friction more."""
     angles = np.array([30.0, 60.0, 90.0, 120.0, 150.0])
-    one = float(coulomb_friction(LAW, 1, 85.0, 15.0))
-    expected = (0.1 * one * ((angles - angles.mean()) / 50) ** 2).sum() * 24.0 / 15.0
+    friction = float(coulomb_friction(LAW, 1, 85.0, 15.0))
+    expected = (0.1 * friction * ((angles - angles.mean()) / 50) ** 2).sum() * 24.0 / 15.0
     state = State.of(LAW, 5, angles.mean(), 24.0, 0.5, wrap_spread_deg=angles.std())
     assert SPREAD.laws["loaded"]({"of_spread": 0.1}, state) == pytest.approx(expected)
 
@@ -78,8 +78,8 @@ def test_only_individual_angles_that_differ_make_the_average_testable():
     nine = varied.gravity.trials.query("n_pulleys == 9")
     spread = wrap_spread(nine)
     assert set(np.round(spread, 9)) == {0.0, round(30 * np.sqrt(8 / 9), 9)}
-    (found,) = check_claims(recording, only=["average-wrap"]).summary.claims
-    assert found.verdict == "not-testable"
+    (result,) = check_claims(recording, only=["average-wrap"]).summary.claims
+    assert result.verdict == "not-testable"
 
 
 @pytest.mark.nightly
@@ -88,10 +88,10 @@ def test_a_slope_that_is_not_proportional_refutes():
     for effects, verdicts in (((heavy,), {"refuted"}), ((), {"supported", "undecided"})):
         truth = Truth(effects=effects)
         recording = simulate_recording("quick", seed=12, truth=truth, rigs=("gravity",))
-        (found,) = check_claims(recording, only=["wrap-slope-proportional"]).summary.claims
-        assert found.verdict in verdicts
+        (result,) = check_claims(recording, only=["wrap-slope-proportional"]).summary.claims
+        assert result.verdict in verdicts
         if not effects:
-            assert found.log10_bayes_factor > 0
+            assert result.log10_bayes_factor > 0
 
 
 @pytest.mark.nightly
@@ -110,7 +110,7 @@ def test_friction_that_follows_the_spread_refutes_the_average():
     mixed = np.concatenate([events.to_numpy(), others[others["trial"].isin(spread)].to_numpy()])
     table = type(own)(mixed, columns=own.columns).astype(own.dtypes.to_dict())
     recording = dataclasses.replace(plain, gravity=Gravity(trials, table))
-    (found,) = check_claims(recording, only=["average-wrap"]).summary.claims
-    assert found.log10_bayes_factor < -1
-    (found,) = check_claims(plain, only=["average-wrap"]).summary.claims
-    assert found.log10_bayes_factor > 0
+    (result,) = check_claims(recording, only=["average-wrap"]).summary.claims
+    assert result.log10_bayes_factor < -1
+    (result,) = check_claims(plain, only=["average-wrap"]).summary.claims
+    assert result.log10_bayes_factor > 0

@@ -9,7 +9,7 @@ from bayesfric.testing import check_effect
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
+def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -28,21 +28,21 @@ def test_every_effect_is_listed_with_its_prior_if_asked():
     assert "prior half-normal(scale=0.15)" in shown
 
 
-def test_a_new_effect_passes_the_check_as_it_is_written(here):
-    found = CliRunner().invoke(app, ["effects", "new", "oil-warmth"])
-    assert found.exit_code == 0
-    effect = effect_of_file(here / "oil_warmth.py")
+def test_a_new_effect_passes_the_check_as_it_is_written(folder):
+    done = CliRunner().invoke(app, ["effects", "new", "oil-warmth"])
+    assert done.exit_code == 0
+    effect = effect_of_file(folder / "oil_warmth.py")
     assert effect.name == "oil-warmth"
     check_effect(effect)
 
 
 @pytest.mark.parametrize("name", ["Oil Warmth", "viscous", "../oil"])
-def test_a_name_that_cannot_be_is_refused_and_nothing_written(here, name):
+def test_a_name_that_cannot_be_is_refused_and_nothing_written(folder, name):
     assert CliRunner().invoke(app, ["effects", "new", name]).exit_code == 2
-    assert list(here.iterdir()) == []
+    assert list(folder.iterdir()) == []
 
 
-def test_a_file_that_is_there_is_left_alone(here):
-    (here / "oil_warmth.py").write_text("mine")
+def test_a_file_that_is_there_is_left_alone(folder):
+    (folder / "oil_warmth.py").write_text("mine")
     assert CliRunner().invoke(app, ["effects", "new", "oil-warmth"]).exit_code == 2
-    assert (here / "oil_warmth.py").read_text() == "mine"
+    assert (folder / "oil_warmth.py").read_text() == "mine"

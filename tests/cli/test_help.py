@@ -15,7 +15,7 @@ from bayesfric.cli.verbs import app
 from bayesfric.errors import InputError
 from bayesfric.physics.laws import BASELINES
 
-VERBS = [found.name or found.callback.__name__ for found in app.registered_commands]
+VERBS = [command.name or command.callback.__name__ for command in app.registered_commands]
 
 
 def help_of(*verb):

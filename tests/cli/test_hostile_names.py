@@ -85,17 +85,19 @@ def test_the_terminal_shows_what_was_wrong_as_text(tmp_path):
 
 
 def test_junit_holds_each_as_it_was_written(tmp_path):
-    found = read_json(ClaimsFile, reference_folder() / "claims.json")
+    stored = read_json(ClaimsFile, reference_folder() / "claims.json")
     claims = tuple(
-        found.claims[0].model_copy(update={"id": f"c{i}", "verdict": verdict, "reason": text})
+        stored.claims[0].model_copy(update={"id": f"c{i}", "verdict": verdict, "reason": text})
         for i, text in enumerate(HOSTILE)
         for verdict in ("refuted", "undecided")
     )
-    write_junit(found.model_copy(update={"claims": claims}), tmp_path / "junit.xml")
+    write_junit(stored.model_copy(update={"claims": claims}), tmp_path / "junit.xml")
     suite = ElementTree.fromstring((tmp_path / "junit.xml").read_bytes())
     assert {case.tag for case in suite} == {"testcase"}
-    assert [one.tag for case in suite for one in case] == ["failure", "skipped"] * len(HOSTILE)
-    messages = [one.get("message") for case in suite for one in case]
+    assert [outcome.tag for case in suite for outcome in case] == ["failure", "skipped"] * len(
+        HOSTILE
+    )
+    messages = [outcome.get("message") for case in suite for outcome in case]
     assert messages[::2] == [legible(text) for text in HOSTILE]
     assert messages[1::2] == [f"undecided: {legible(text)}" for text in HOSTILE]
 
@@ -135,9 +137,12 @@ def test_an_exported_law_is_a_law_whatever_it_is_named():
         assert space["friction"](tension=10.0) == pytest.approx(0.2)
         for form in ("mjcf", "urdf"):
             made, other = (
-                ElementTree.fromstring(export_text(one, form)) for one in (law, law_of("a", "a"))
+                ElementTree.fromstring(export_text(friction_law, form))
+                for friction_law in (law, law_of("a", "a"))
             )
-            assert [one.tag for one in made.iter()] == [one.tag for one in other.iter()]
+            assert [element.tag for element in made.iter()] == [
+                element.tag for element in other.iter()
+            ]
         assert json.loads(export_text(law, "json").encode())["recording"] == text
 
 

@@ -45,8 +45,8 @@ def test_it_writes_prints_and_repeats_to_the_byte(folder, monkeypatch):
     first = CliRunner().invoke(app, [*arguments, "one", "--verbose"])
     assert first.exit_code == 0, first.stderr
     assert [path.name for path in (folder / "one").iterdir()] == ["margins.json"]
-    found = read_json(MarginsFile, folder / "one" / "margins.json")
-    answer = found.loops[0].answer
+    stored = read_json(MarginsFile, folder / "one" / "margins.json")
+    answer = stored.loops[0].answer
     law, said = first.stdout.split("\n", 1)
     assert law == "Margins of the law as it was fitted: no diagnosis lies beside the draws."
     assert said.startswith(
@@ -55,7 +55,7 @@ def test_it_writes_prints_and_repeats_to_the_byte(folder, monkeypatch):
     assert "\n  " + answer.replace(". ", ".\n  ") + "\n" in said
     assert answer.count(". ") >= 1  # a sentence a line
     assert "warning: my-joint: Assumed" in first.stderr
-    assert found.seed == 4
+    assert stored.seed == 4
     again = bayesfric(*arguments, "two", "--quiet", "--mat", "two/loops.mat", cwd=folder)
     assert again.stderr == ""
     on_one_screen = again.stdout.splitlines()
@@ -109,11 +109,11 @@ def test_what_was_verified_is_told(folder, tmp_path):
     assert done.exit_code == 0, done.stderr
     (loop,) = read_json(MarginsFile, tmp_path / "margins.json").loops
     assert loop.verification is not None
-    held = [one for one in loop.verification.held if one.share is not None]
+    held = [metric for metric in loop.verification.held if metric.share is not None]
     assert held
-    for one in held:
-        holds = sum(1 for k in range(one.draws + 1) if k / one.draws <= one.share) - 1
-        assert f"    {one.what}: agrees in {holds} of {one.draws} draws" in done.stdout
+    for metric in held:
+        holds = sum(1 for k in range(metric.draws + 1) if k / metric.draws <= metric.share) - 1
+        assert f"    {metric.what}: agrees in {holds} of {metric.draws} draws" in done.stdout
 
 
 def with_bound(folder, name, metres):
@@ -212,7 +212,9 @@ def test_bundled_loops_are_listed_and_found_by_name(tmp_path, monkeypatch):
     ids=["no such loop", "no draws", "nothing", "both", "no such file"],
 )
 def test_what_is_missing_is_said(folder, tmp_path, arguments, said):
-    arguments = [str(folder / one) if one == "draws.nc" else one for one in arguments]
+    arguments = [
+        str(folder / argument) if argument == "draws.nc" else argument for argument in arguments
+    ]
     done = CliRunner().invoke(app, ["margins", *arguments, "-o", str(tmp_path / "out")])
     assert done.exit_code == 2
     assert said in done.stderr

@@ -24,7 +24,7 @@ def test_the_package_logs_and_whoever_runs_it_decides_where_to(capfd, caplog, mo
     monkeypatch.setattr(LOGGER, "handlers", [])  # a verb of an earlier test had one put there
     with caplog.at_level(logging.INFO, "bayesfric"), stage("dig [red]\x1b[31m{x}") as progress:
         progress(1, 2)
-    assert [(one.name, one.levelname, one.message) for one in caplog.records] == [
+    assert [(record.name, record.levelname, record.message) for record in caplog.records] == [
         ("bayesfric", "INFO", "dig [red]\x1b[31m{x}: started"),
         ("bayesfric", "INFO", "dig [red]\x1b[31m{x}: done"),
     ]
@@ -53,7 +53,7 @@ def test_a_log_says_once_how_long_a_long_stage_takes(monkeypatch, caplog, second
     with caplog.at_level(logging.INFO, "bayesfric"), stage("dig") as progress:
         progress(done, 10)
         progress(10, 10)
-    assert [one.message for one in caplog.records][1:-1] == said
+    assert [record.message for record in caplog.records][1:-1] == said
 
 
 def test_of_steps_of_which_the_longest_come_first_a_bound_is_told(monkeypatch, caplog):
@@ -71,7 +71,7 @@ def test_a_stage_that_fails_is_not_done(caplog):
         stage("dig"),
     ):
         raise ZeroDivisionError
-    assert [one.message for one in caplog.records] == ["dig: started"]
+    assert [record.message for record in caplog.records] == ["dig: started"]
 
 
 def test_a_stage_is_done_when_its_results_are_written(tmp_path, monkeypatch, caplog):
@@ -84,8 +84,8 @@ def test_a_stage_is_done_when_its_results_are_written(tmp_path, monkeypatch, cap
     monkeypatch.setattr("bayesfric.diagnosis.Diagnosed.write", interrupted)
     with caplog.at_level(logging.INFO, "bayesfric"):
         CliRunner().invoke(app, ["diagnose", str(tmp_path / "joint"), "-o", str(tmp_path / "a")])
-    (told,) = [one.message for one in caplog.records]
-    assert told.endswith(": started")
+    (message,) = [record.message for record in caplog.records]
+    assert message.endswith(": started")
 
 
 def run(*arguments, cwd, stderr):

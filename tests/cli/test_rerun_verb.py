@@ -18,7 +18,7 @@ SHORT = "seed = 5\n[sampler]\nburn = 10\nsteps = 50\nthin = 2\nwalkers = 36\next
 
 
 def bayesfric(*arguments):
-    return CliRunner().invoke(app, [str(one) for one in arguments])
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 @pytest.fixture(scope="module")
@@ -120,7 +120,7 @@ def test_a_diagnosis_of_a_bench_repeats_itself(tmp_path):
     done = bayesfric("rerun", tmp_path / "a", *again, "--fail-on", "changed")
     assert done.exit_code == 0, done.stdout
     first, second = (
-        json.loads((tmp_path / one / "diagnosis.json").read_text()) for one in ("a", "b")
+        json.loads((tmp_path / name / "diagnosis.json").read_text()) for name in ("a", "b")
     )
     assert first == second
     assert first["gap"]["as_shipped"] is not None

@@ -145,7 +145,7 @@ class Part:
     name: str
     several: tuple[Named, ...]
     none: Named | None
-    one: Named | None
+    single: Named | None
     flag: bool
     texts: dict[str, str]
 
@@ -157,13 +157,13 @@ def test_a_record_comes_back_as_it_was(tmp_path):
     part = Part("π", (named, named), None, Named({}, np.inf, alias), np.bool_(True), {"k": "v"})
     keeping = Checkpoint(tmp_path / "c", "key")
     keeping.record("a", Part | None, lambda: part)
-    found = keeping.record("a", Part | None, lambda: pytest.fail("it is kept"))
-    assert found.several[1].values["a"].flags.f_contiguous
-    np.testing.assert_array_equal(found.several[1].values["a"], columns)
-    np.testing.assert_array_equal(found.several[0].values["b"], [np.nan, 0.1])
-    assert found.several[0].place == 0.30000000000000004
-    assert found.one.named == found.several[0].named == alias
-    assert replace(found, several=()) == replace(part, several=())
+    kept = keeping.record("a", Part | None, lambda: pytest.fail("it is kept"))
+    assert kept.several[1].values["a"].flags.f_contiguous
+    np.testing.assert_array_equal(kept.several[1].values["a"], columns)
+    np.testing.assert_array_equal(kept.several[0].values["b"], [np.nan, 0.1])
+    assert kept.several[0].place == 0.30000000000000004
+    assert kept.single.named == kept.several[0].named == alias
+    assert replace(kept, several=()) == replace(part, several=())
     assert keeping.record("n", Part | None, lambda: None) is None
     assert keeping.record("n", Part | None, lambda: pytest.fail("it is kept")) is None
 

@@ -19,9 +19,9 @@ from bayesfric.schemas import ClaimsFile, TimingsFile
 
 def claims_file():
     """What the stored reference run says of one claim, by a name of its own."""
-    found = read_json(ClaimsFile, reference_folder() / "claims.json")
-    return found.model_copy(
-        update={"claims": (found.claims[0].model_copy(update={"id": "claim-one"}),)}
+    stored = read_json(ClaimsFile, reference_folder() / "claims.json")
+    return stored.model_copy(
+        update={"claims": (stored.claims[0].model_copy(update={"id": "claim-one"}),)}
     )
 
 

@@ -57,7 +57,11 @@ def test_a_mistake_is_named_in_one_line_and_leaves_nothing(place, mistake, monke
     before = sorted(place.rglob("*"))
     done = CliRunner().invoke(app, given.split() if isinstance(given, str) else given)
     assert done.exit_code == 2, done.output
-    (line,) = [one for one in done.stderr.splitlines() if one.lower().startswith("error")]
+    (line,) = [
+        line_of_error
+        for line_of_error in done.stderr.splitlines()
+        if line_of_error.lower().startswith("error")
+    ]
     assert said in line
     assert "simulating" not in done.stderr or "effect" in mistake  # which needs what is simulated
     assert sorted(place.rglob("*")) == before
@@ -83,6 +87,6 @@ def test_a_file_of_another_schema_is_one_line(tmp_path):
     path.write_text('{"schema": "bayesfric.fit/1"}')
     with pytest.raises(
         InputError, match=r"found 'bayesfric.fit/1', .* bayesfric.diagnosis/2"
-    ) as one:
+    ) as caught:
         read_json(DiagnosisFile, path)
-    assert len(one.value.faults) == 1
+    assert len(caught.value.faults) == 1

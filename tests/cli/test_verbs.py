@@ -61,8 +61,8 @@ def ran(board, no_processes):
 def test_run_writes_the_claims_as_test_cases(board, ran):
     stored = read_json(ClaimsFile, board / "first" / "claims.json")
     suite = ElementTree.parse(board / "ci" / "claims.xml").getroot()
-    assert [case.get("name") for case in suite] == [one.id for one in stored.claims]
-    refuted = [one.id for one in stored.claims if one.verdict == "refuted"]
+    assert [case.get("name") for case in suite] == [claim.id for claim in stored.claims]
+    refuted = [claim.id for claim in stored.claims if claim.verdict == "refuted"]
     assert [case.get("name") for case in suite if case.find("failure") is not None] == refuted
 
 
@@ -269,8 +269,8 @@ def test_simulate_is_reproducible_and_dated_only_when_told(board):
     done = bayesfric(*arguments, "two/x", cwd=board)
     assert done.returncode == 0, done.stderr
     for name, date in (("one/x", {}), ("dated/x", {"SOURCE_DATE_EPOCH": "86400"})):
-        found = CliRunner(env=date).invoke(app, [*arguments, str(board / name)])
-        assert found.exit_code == 0, found.stderr
+        simulated = CliRunner(env=date).invoke(app, [*arguments, str(board / name)])
+        assert simulated.exit_code == 0, simulated.stderr
     for path in (board / "one/x").iterdir():
         assert path.read_bytes() == (board / "two/x" / path.name).read_bytes()
     package = (board / "dated/x/datapackage.json").read_text()

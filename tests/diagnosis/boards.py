@@ -14,11 +14,11 @@ SMALL = Protocol({(9, 85.0): 2, (15, 50.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
 
 def data_of(recording):
     opened = (rig.trials(recording, exclude=False) for rig in all_rigs().values())
-    return Data(tuple(one for one in opened if one is not None))
+    return Data(tuple(rows for rows in opened if rows is not None))
 
 
 def model_of(names=(), *, seed=5, protocol=SMALL, **options):
     """Return a model of a simulated recording, with some effects as candidates."""
     data = data_of(simulate_recording(protocol, seed=seed, rigs=("gravity", "motor")))
-    candidates = [one for name in names for one in candidates_of(all_effects()[name])]
+    candidates = [candidate for name in names for candidate in candidates_of(all_effects()[name])]
     return LinearModel(data, table1_coefficients(), candidates, Analysis(), **options)

@@ -40,5 +40,5 @@ def model_of_axis(fitted, chosen):
     """
     data, laws, analysis, without, psi = fitted
     examined, _ = examinable(data, {})
-    candidates = [one for effect in examined.values() for one in chosen(effect)]
+    candidates = [candidate for effect in examined.values() for candidate in chosen(effect)]
     return LinearModel(data, laws, candidates, analysis, without), psi

@@ -44,6 +44,6 @@ def test_a_cause_that_clocks_imitate_is_known(cause, clocks, alike):
 
 
 def test_held_out_data_cannot_tell_a_cause_from_clocks():
-    found = density_of(SimpleNamespace(), ["delay"], like_clocks=True)
-    assert found["held_out_log_density"] is None
-    assert "clocks that differ" in found["held_out_log_density_why"]
+    density = density_of(SimpleNamespace(), ["delay"], like_clocks=True)
+    assert density["held_out_log_density"] is None
+    assert "clocks that differ" in density["held_out_log_density_why"]

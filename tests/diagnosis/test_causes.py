@@ -17,9 +17,9 @@ DRAWS = np.linspace(0.01, 0.03, 201)
 
 @pytest.fixture(scope="module")
 def model():
-    found = model_of([CLOCK, LENGTH])
-    found.merge([[CLOCK, LENGTH]])
-    return found
+    linear = model_of([CLOCK, LENGTH])
+    linear.merge([[CLOCK, LENGTH]])
+    return linear
 
 
 @pytest.mark.parametrize(
@@ -29,14 +29,14 @@ def model():
 def test_a_twins_law_has_the_twins_parameters(model, law, parameter):
     """Half a length's excess is a clock's: under the name of the other it would be false."""
     acting = SimpleNamespace(
-        laws=[one for one in model.lawbook[CLOCK] if one.law == law], phases=()
+        laws=[candidate for candidate in model.lawbook[CLOCK] if candidate.law == law], phases=()
     )
     search = SimpleNamespace(
         weighed={
             Hypothesis((CLOCK,)): SimpleNamespace(names=(CLOCK,), acting=acting, log_evidence=5.0),
             NONE: SimpleNamespace(names=(), log_evidence=1.0),
         },
-        worth=lambda one: one.log_evidence,
+        worth=lambda weighed: weighed.log_evidence,
         unknown=None,
         probabilities=lambda: {Hypothesis((CLOCK,)): 0.98, NONE: 0.02},
     )
@@ -44,10 +44,16 @@ def test_a_twins_law_has_the_twins_parameters(model, law, parameter):
         amplitudes={CLOCK: DRAWS}, shapes={}, strengths={CLOCK: DRAWS}, left={CLOCK: 0.02}
     )
     exact = Checked(off=0.0, error=0.0, pareto_k=0.0)
-    (found,) = causes_of(
-        [CLOCK], model, search, posterior, practical=0.02, floor=0.01, check=lambda one: exact
+    (cause,) = causes_of(
+        [CLOCK],
+        model,
+        search,
+        posterior,
+        practical=0.02,
+        floor=0.01,
+        check=lambda hypothesis: exact,
     )
-    assert (found.effect, found.law) == (CLOCK, law)
-    assert found.sentence == all_effects()[CLOCK].sentence
-    assert list(found.parameters) == [parameter]
-    assert found.parameters[parameter].q50 == pytest.approx(0.02)
+    assert (cause.effect, cause.law) == (CLOCK, law)
+    assert cause.sentence == all_effects()[CLOCK].sentence
+    assert list(cause.parameters) == [parameter]
+    assert cause.parameters[parameter].q50 == pytest.approx(0.02)

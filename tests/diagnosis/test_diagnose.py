@@ -136,7 +136,7 @@ def test_what_is_known_of_each_effect(named):
     assert first.probability > 0.99
     assert first.probability_above_practical > 0.99
     assert first.strength.q05 < summary.causes[0].strength < first.strength.q95
-    assert all(one.probability <= first.probability for one in rest)
+    assert all(entry.probability <= first.probability for entry in rest)
 
 
 def test_where_it_lies(named):
@@ -188,8 +188,8 @@ def test_probabilities_add_up_and_effects_are_all_told(named):
 def test_same_recording_same_bytes(named, tmp_path):
     recording = simulate_recording(SMALL, seed=1, effects={"viscous": 1.0})
     again = diagnose(recording, target=ASKED)
-    for name, one in (("first", named[0]), ("second", again)):
-        one.write(tmp_path / name)
+    for name, diagnosis in (("first", named[0]), ("second", again)):
+        diagnosis.write(tmp_path / name)
     for name in ("diagnosis.json", "diagnosis.nc"):
         assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes()
 
@@ -203,9 +203,9 @@ def test_no_effect_no_gap(empty):
     assert empty.gap.systematic.q95 < 0.02 * empty.gap.friction_rms
 
 
-def has_no_bands_off_zero(found):
+def has_no_bands_off_zero(summary):
     """Assert that bands hold zero; band and p-value are of the same residuals."""
-    shapes = {axis.axis: axis.shape for axis in found.where if axis.shape is not None}
+    shapes = {axis.axis: axis.shape for axis in summary.where if axis.shape is not None}
     off = [
         name
         for name, shape in shapes.items()
@@ -228,24 +228,24 @@ def test_what_was_shipped_wrong_is_tuning_and_no_gap():
         for size, law in table1_coefficients().items()
     }
     recording = simulate_recording(SMALL, seed=4, truth=Truth(coefficients=laws))
-    found = diagnose(recording).summary
-    assert found.verdict == "no-gap"
+    summary = diagnose(recording).summary
+    assert summary.verdict == "no-gap"
     # A fifth of friction is shipped wrong: 1 − 1/1.2 of what there is.
-    assert found.gap.as_shipped.q50 == pytest.approx(found.gap.friction_rms / 6, rel=0.1)
-    assert found.gap.before.q50 < 0.2 * found.gap.as_shipped.q50
+    assert summary.gap.as_shipped.q50 == pytest.approx(summary.gap.friction_rms / 6, rel=0.1)
+    assert summary.gap.before.q50 < 0.2 * summary.gap.as_shipped.q50
 
 
 @pytest.mark.nightly
 def test_one_rig_and_one_angle_leave_their_effects_and_axes_out():
     design = Protocol({(5, 85.0): 1, (9, 85.0): 2, (15, 85.0): 2}, (6.0, 30.0), (), 2)
     recording = simulate_recording(design, seed=6, rigs=("gravity",))
-    found = diagnose(recording).summary
-    why = {one.effect: one.log10_bayes_factor_why for one in found.effects}
+    summary = diagnose(recording).summary
+    why = {tested.effect: tested.log10_bayes_factor_why for tested in summary.effects}
     for name in ("torque-constant", "current-offset"):
         assert why[name].startswith("absent from these data")
-    assert found.rigs == ("gravity",)
-    assert not found.causes
-    axes = {axis.axis: axis for axis in found.where}
+    assert summary.rigs == ("gravity",)
+    assert not summary.causes
+    axes = {axis.axis: axis for axis in summary.where}
     assert axes["wrap_angle"].blind
     assert axes["wrap_angle"].share is None
     assert not axes["n_pulleys"].blind
@@ -254,12 +254,12 @@ def test_one_rig_and_one_angle_leave_their_effects_and_axes_out():
 @pytest.mark.nightly
 def test_a_coefficient_can_be_held(nothing):
     """c3 held at Table I: its axis cannot be refitted, and is not."""
-    found = diagnose(nothing, fixed=["c3"]).summary
-    assert found.fixed == ("c3",)
+    summary = diagnose(nothing, fixed=["c3"]).summary
+    assert summary.fixed == ("c3",)
     of_table = {f"c3[{size}]": float(law.c3) for size, law in table1_coefficients().items()}
-    assert found.fixed_at
-    assert found.fixed_at.items() <= of_table.items()
-    assert found.verdict == "no-gap"
+    assert summary.fixed_at
+    assert summary.fixed_at.items() <= of_table.items()
+    assert summary.verdict == "no-gap"
 
 
 @pytest.mark.parametrize("name", ["c4", "c1[huge]"])
@@ -284,14 +284,14 @@ def test_one_acceleration_alone_tells_of_no_axis(small_recording):
     """It varies along none; what it leaves open is wide, and no cause is named."""
     recording = by_acceleration(small_recording)
     alone = with_trials(recording, recording.gravity.trials["trial"] == "g0007")
-    found = explained(diagnose(alone).summary)
-    assert not found.causes
-    assert found.verdict == "undecided"
-    assert found.where
-    assert all(axis.blind and axis.p_value is None for axis in found.where)
-    assert found.unexplained.q05 == found.unexplained.mean == 1.0
-    assert found.all_unexplained_because == "no axis varied in these data"
-    json.loads(found.model_dump_json(), parse_constant=pytest.fail)
+    summary = explained(diagnose(alone).summary)
+    assert not summary.causes
+    assert summary.verdict == "undecided"
+    assert summary.where
+    assert all(axis.blind and axis.p_value is None for axis in summary.where)
+    assert summary.unexplained.q05 == summary.unexplained.mean == 1.0
+    assert summary.all_unexplained_because == "no axis varied in these data"
+    json.loads(summary.model_dump_json(), parse_constant=pytest.fail)
 
 
 def test_accelerations_alone_of_one_assembly_are_diagnosed():
@@ -301,15 +301,18 @@ def test_accelerations_alone_of_one_assembly_are_diagnosed():
     trials, events = recording.gravity.trials.copy(), recording.gravity.events
     own = events[events["sensor"] == "drive"].groupby("trial")
     trials["acceleration_m_s2"] = [
-        2 * np.polyfit(one["time_s"] - one["time_s"].iloc[0], one["displacement_m"], 2)[0]
-        for _, one in own
+        2
+        * np.polyfit(
+            of_trial["time_s"] - of_trial["time_s"].iloc[0], of_trial["displacement_m"], 2
+        )[0]
+        for _, of_trial in own
     ]
     trials["acceleration_sd_m_s2"] = 1e-3
     alone = replace(recording, gravity=Gravity(trials, events.iloc[:0]))
-    found = explained(diagnose(alone).summary)
-    assert not found.causes
-    assert found.gap.trajectory is None
-    has_no_bands_off_zero(found)
+    summary = explained(diagnose(alone).summary)
+    assert not summary.causes
+    assert summary.gap.trajectory is None
+    has_no_bands_off_zero(summary)
 
 
 def test_accelerations_that_are_not_the_way_of_the_weights_enter_no_diagnosis():
@@ -331,13 +334,13 @@ def test_eight_empty_boards():
     """Bands that hold zero, no name, a floor that data held out agree with: as often as said."""
     panels, outside, agree = 0, 0, 0
     for seed in range(300, 308):
-        found = diagnose(simulate_recording(SMALL, seed=seed)).summary
-        assert found.verdict in ("no-gap", "undecided")
-        assert found.causes == ()
-        shapes = [axis.shape for axis in found.where if axis.shape is not None]
+        summary = diagnose(simulate_recording(SMALL, seed=seed)).summary
+        assert summary.verdict in ("no-gap", "undecided")
+        assert summary.causes == ()
+        shapes = [axis.shape for axis in summary.where if axis.shape is not None]
         panels += len(shapes)
-        outside += sum(max(one.low_n) > 0 or min(one.high_n) < 0 for one in shapes)
-        agree += found.gap.floor_agrees
+        outside += sum(max(shape.low_n) > 0 or min(shape.high_n) < 0 for shape in shapes)
+        agree += summary.gap.floor_agrees
     assert outside <= 0.05 * panels
     assert agree >= 7
 
@@ -349,6 +352,6 @@ def test_rough_wander_is_no_force_of_its_own(monkeypatch):
     monkeypatch.setattr(reference, "draw_nuisances", lambda _: rough)
     made = reference.make(Withheld("none", (), "own"), 11)
     rules = Analysis().diagnosis.model_copy(update={"practical_share": 0.005})
-    found = diagnose(made.recording, Analysis(diagnosis=rules)).summary
-    assert found.verdict == "no-gap"
-    assert found.gap.systematic.q95 < 0.005 * found.gap.friction_rms
+    summary = diagnose(made.recording, Analysis(diagnosis=rules)).summary
+    assert summary.verdict == "no-gap"
+    assert summary.gap.systematic.q95 < 0.005 * summary.gap.friction_rms

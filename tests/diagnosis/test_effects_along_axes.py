@@ -31,7 +31,7 @@ def middle(effect):
     by_law = {}
     for candidate in candidates_of(effect):
         by_law.setdefault(candidate.law, []).append(candidate)
-    return [each[len(each) // 2] for each in by_law.values()]
+    return [laws[len(laws) // 2] for laws in by_law.values()]
 
 
 def forces_in(model, psi):
@@ -39,7 +39,7 @@ def forces_in(model, psi):
     residuals = residuals_of(model, psi)
     start = model.layout.own
     columns = residuals.columns[:, start : start + len(model.candidates)]
-    owner = np.array([one.effect.name for one in model.candidates])
+    owner = np.array([candidate.effect.name for candidate in model.candidates])
     return residuals, {
         name: residuals.without_law(columns[:, owner == name]) for name in np.unique(owner)
     }
@@ -47,15 +47,15 @@ def forces_in(model, psi):
 
 def is_along_its_own(residuals, forces, name):
     """Assert that the largest share of the force of each law is that of an axis of the effect."""
-    found = shares_of(residuals, forces[name], {})
+    shares = shares_of(residuals, forces[name], {})
     for law in range(forces[name].shape[1]):
-        first = max(found.share, key=lambda axis: found.share[axis][law])
+        first = max(shares.share, key=lambda axis: shares.share[axis][law])
         assert first in all_effects(None)[name].axes, law
 
 
 @pytest.fixture(scope="module")
 def board():
-    candidates = [one for name in NAMES for one in middle(all_effects()[name])]
+    candidates = [candidate for name in NAMES for candidate in middle(all_effects()[name])]
     recording = simulate_recording(PROTOCOLS["quick"], seed=5, rigs=("gravity", "motor"))
     model = LinearModel(data_of(recording), table1_coefficients(), candidates, Analysis())
     return forces_in(model, model.noise.start)

@@ -24,7 +24,7 @@ def diagnosed(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def found(diagnosed):
+def summary(diagnosed):
     return diagnosed.summary
 
 
@@ -40,8 +40,8 @@ def test_a_prompt_shows_it_as_a_table(diagnosed):
     ("name", "truth", "unit"),
     [("inertia", 2.0, "kg"), ("coulomb", 1.5, "N"), ("viscous", 2.0, "N s/m")],
 )
-def test_an_axis_tells_what_to_enter(found, name, truth, unit):
-    number = {one.parameter: one for one in found.enter}[name]
+def test_an_axis_tells_what_to_enter(summary, name, truth, unit):
+    number = {entry.parameter: entry for entry in summary.enter}[name]
     assert number.unit == unit
     assert number.value.mean == pytest.approx(truth, rel=0.06)
     assert number.in_your_simulator is None
@@ -49,9 +49,9 @@ def test_an_axis_tells_what_to_enter(found, name, truth, unit):
     assert set(number.fields) == set(SIMULATORS)
 
 
-def test_what_a_simulator_lacks_is_told_in_force(found):
+def test_what_a_simulator_lacks_is_told_in_force(summary):
     """Drake has no Coulomb friction: 1.5 N are lost. All have a mass, so that none is."""
-    entered = {one.parameter: one for one in found.enter}
+    entered = {entry.parameter: entry for entry in summary.enter}
     assert entered["coulomb"].fields["drake"] is None
     assert entered["coulomb"].lost_without == pytest.approx(1.5, rel=0.06)
     assert entered["inertia"].lost_without is None

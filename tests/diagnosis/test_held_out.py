@@ -36,8 +36,8 @@ def test_a_law_that_explains_all_forces_is_found(boards):
     model, residuals, local = boards
     everywhere = np.ones(residuals.size.size, dtype=bool)
     refit = refit_of(model, residuals, everywhere)
-    found = recalibrated(refit, residuals, np.zeros_like(local))
-    left = residuals.left(found)
+    factors = recalibrated(refit, residuals, np.zeros_like(local))
+    left = residuals.left(factors)
     assert np.sqrt((residuals.weight * left**2).sum()) < 2e-3
     assert np.abs(residuals.without_law(residuals.residual_n)).max() < 1e-6
 
@@ -63,7 +63,7 @@ def test_every_window_of_an_extreme_trial_is_left_out(boards, name, column, valu
     """Though means over windows differ from the value by rounding."""
     model, residuals, _ = boards
     tables = [rig.rows.table for rig in model.rigs]
-    expected = {one for table in tables for one in table["trial"][table[column] == value]}
+    expected = {trial for table in tables for trial in table["trial"][table[column] == value]}
     rows = extrapolated(residuals)[name]
     assert {residuals.names[trial] for trial in residuals.trial[rows]} == expected
     assert not np.isin(residuals.trial[~rows], residuals.trial[rows]).any()
@@ -134,19 +134,21 @@ def test_nothing_is_held_out_of_one_run_of_each_size():
 
 def squares(before, after, floor, count=60):
     rng = np.random.default_rng(1)
-    each = rng.chisquare(20, (3, count)) / 20 / count
-    return Squares(None, before * each[0], after * each[1], floor * each[2], np.arange(count))
+    ratios = rng.chisquare(20, (3, count)) / 20 / count
+    return Squares(None, before * ratios[0], after * ratios[1], floor * ratios[2], np.arange(count))
 
 
-def row(one, why=None):
-    return gap_row("folds", one, no_shrink=why, shipped_why="none", rng=np.random.default_rng(2))
+def row(squared, why=None):
+    return gap_row(
+        "folds", squared, no_shrink=why, shipped_why="none", rng=np.random.default_rng(2)
+    )
 
 
 def test_a_gap_that_is_closed_shrinks_by_all_of_it():
-    found = row(squares(9.0, 1.0, 1.0))
-    assert found.before.q50 == pytest.approx(3.0, rel=0.05)
-    assert found.shrink.q50 == pytest.approx(1.0, abs=0.05)
-    assert found.below_floor == 0.0
+    gap = row(squares(9.0, 1.0, 1.0))
+    assert gap.before.q50 == pytest.approx(3.0, rel=0.05)
+    assert gap.shrink.q50 == pytest.approx(1.0, abs=0.05)
+    assert gap.below_floor == 0.0
 
 
 def test_no_gap_no_shrink_and_never_more_than_there_was():
@@ -213,8 +215,8 @@ def test_what_the_law_is_uncertain_by_is_its_scatter_over_redrawn_boards(drawn):
 def test_data_and_floor_that_contradict_each_other_are_told(left, word):
     """A floor of 1 and a gap of 0.2 that is left; sixty assemblies of like friction."""
     by_chance = np.random.default_rng(4).chisquare(60, 400) / 60
-    found = floor_disagrees(left, by_chance, np.full(100, 0.2))
-    assert found is None if word is None else f", {word} than" in found
+    warning = floor_disagrees(left, by_chance, np.full(100, 0.2))
+    assert warning is None if word is None else f", {word} than" in warning
     assert floor_disagrees(left, by_chance, np.full(100, 0.2), unnoticed2=5.0) is None
 
 
@@ -223,8 +225,8 @@ def test_windows_scatter_as_the_parts_say(drawn):
     _, residuals, _ = drawn
     whole = residuals.scattered(np.eye(residuals.size.size))
     np.testing.assert_allclose(np.diag(whole), residuals.chance2)
-    one = 0
+    window = 0
     other = int(np.flatnonzero((residuals.setup == 0) & (residuals.trial != 0))[0])
-    shared = np.sqrt(residuals.scatter[[one, other], 1]) * residuals.friction_n[[one, other]]
-    assert whole[one, other] == pytest.approx(shared.prod())
+    shared = np.sqrt(residuals.scatter[[window, other], 1]) * residuals.friction_n[[window, other]]
+    assert whole[window, other] == pytest.approx(shared.prod())
     assert not whole[residuals.setup == 0][:, residuals.setup != 0].any()

@@ -51,10 +51,10 @@ def test_a_block_has_the_density_of_a_normal_given_the_others(tmp_path, monkeypa
     monkeypatch.setattr(
         held_out_density, "climb", lambda model, psi, acting: SimpleNamespace(psi=psi)
     )
-    found = block_densities(model, search_of(acting, at), ["viscous"], np.random.default_rng(4))
+    blocks = block_densities(model, search_of(acting, at), ["viscous"], np.random.default_rng(4))
     (block,) = blocks_of(model, np.random.default_rng(4))
     windows = residuals_of(model, at.psi)
-    for acts, densities in ((Acting(), found.without), (acting, found.beside)):
+    for acts, densities in ((Acting(), blocks.without), (acting, blocks.beside)):
         mean, sd = model.prior([model.amplitude_prior(law) for law in acts.laws])
         numbers = np.vstack([mean, np.diag(sd)])
         local = spread_numbers(model, numbers, model.mixing(acts))[:, 0]
@@ -71,15 +71,15 @@ def test_a_block_has_the_density_of_a_normal_given_the_others(tmp_path, monkeypa
 @pytest.mark.parametrize(("viscous", "better"), [(2.0, True), (0.0, False)])
 def test_a_cause_that_acts_predicts_better_and_another_does_not(tmp_path, viscous, better):
     model, at, acting = points_model(tmp_path, viscous)
-    found = block_densities(model, search_of(acting, at), ["viscous"], np.random.default_rng(4))
-    assert (found.difference > 2 * found.error) == better
+    blocks = block_densities(model, search_of(acting, at), ["viscous"], np.random.default_rng(4))
+    assert (blocks.difference > 2 * blocks.error) == better
 
 
 def test_the_error_is_that_of_a_sum_over_blocks():
     """Differences 1, 2, 3 and 6: their sum is 12, its error √4 times their spread of √(14/3)."""
-    found = BlockDensities(np.zeros(4), np.array([1.0, 2.0, 3.0, 6.0]))
-    assert found.difference == pytest.approx(12.0)
-    assert found.error == pytest.approx(2 * np.sqrt(14 / 3))
+    blocks = BlockDensities(np.zeros(4), np.array([1.0, 2.0, 3.0, 6.0]))
+    assert blocks.difference == pytest.approx(12.0)
+    assert blocks.error == pytest.approx(2 * np.sqrt(14 / 3))
 
 
 @pytest.mark.parametrize(("assemblies", "count"), [(3, 3), (20, 20), (45, 20)])
@@ -88,7 +88,7 @@ def test_assemblies_are_held_out_whole_in_twenty_blocks_at_most(assemblies, coun
     model = SimpleNamespace(rigs=[SimpleNamespace(setup=setup)])
     (block,) = blocks_of(model, np.random.default_rng(0))
     assert np.unique(block).size == count
-    assert all(np.unique(block[setup == one]).size == 1 for one in range(assemblies))
+    assert all(np.unique(block[setup == assembly]).size == 1 for assembly in range(assemblies))
 
 
 def test_three_assemblies_tell_no_error(monkeypatch):
@@ -100,7 +100,7 @@ def test_three_assemblies_tell_no_error(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("told", "weakest"),
+    ("differences", "weakest"),
     [
         ({"backlash": (5.0, -8.0, 3.0, -3.0), "stiction": (90.0, 120.0, 140.0, 150.0)}, "backlash"),
         ({"stribeck": (8.0, -2.0, 5.0, 1.0), "stiction": (8.0, -1.0, 5.0, 3.0)}, "stribeck"),
@@ -115,14 +115,16 @@ def test_three_assemblies_tell_no_error(monkeypatch):
         ),
     ],
 )
-def test_the_cause_that_held_out_data_ask_for_least_is_the_one_in_doubt(told, weakest, monkeypatch):
+def test_the_cause_that_held_out_data_ask_for_least_is_the_one_in_doubt(
+    differences, weakest, monkeypatch
+):
     def densities(model, search, causes, rng):
         (name,) = causes
-        return BlockDensities(np.zeros(len(told[name])), np.array(told[name]))
+        return BlockDensities(np.zeros(len(differences[name])), np.array(differences[name]))
 
     monkeypatch.setattr(held_out_density, "block_densities", densities)
     rng = np.random.default_rng(1)
-    assert held_out_density.least_needed_cause(None, None, list(told), rng) == weakest
+    assert held_out_density.least_needed_cause(None, None, list(differences), rng) == weakest
 
 
 def test_a_doubted_effect_counts_half_and_is_no_leader():

@@ -44,10 +44,10 @@ def test_candidates_stay_and_the_rest_is_integrated_out(linear):
 
 def test_posterior_is_that_of_bayes(linear):
     design, measured, mean, sd = linear
-    found, covariance = information(design, measured).posterior(mean, sd)
+    posterior_mean, covariance = information(design, measured).posterior(mean, sd)
     prior = np.diag(sd**2)
     gain = prior @ design.T @ np.linalg.inv(design @ prior @ design.T + np.eye(12))
-    np.testing.assert_allclose(found, mean + gain @ (measured - design @ mean), atol=1e-10)
+    np.testing.assert_allclose(posterior_mean, mean + gain @ (measured - design @ mean), atol=1e-10)
     np.testing.assert_allclose(covariance, prior - gain @ design @ prior, atol=1e-10)
 
 
@@ -61,14 +61,14 @@ def test_independent_data_add_up(linear):
 def test_rounding_takes_nothing_from_the_prior(linear):
     """Precision of 10¹⁴ along one direction, from which rounding took 30 along another."""
     _, _, mean, _ = linear
-    one, other = np.linalg.qr(np.random.default_rng(5).standard_normal((5, 2)))[0].T
-    exact = 1e14 * np.outer(one, one)
+    direction, other = np.linalg.qr(np.random.default_rng(5).standard_normal((5, 2)))[0].T
+    exact = 1e14 * np.outer(direction, direction)
     rounded = exact - 30.0 * np.outer(other, other)
-    slope, sd = exact @ (mean + 0.3 * one), np.ones(5)
+    slope, sd = exact @ (mean + 0.3 * direction), np.ones(5)
     with np.errstate(all="raise"):
-        found, covariance = Information(rounded, slope, 0.0).posterior(mean, sd)
+        posterior_mean, covariance = Information(rounded, slope, 0.0).posterior(mean, sd)
     # Known along the one direction, where it is 0.3 from the prior's mean; elsewhere the prior.
-    np.testing.assert_allclose((found - mean) @ one, 0.3, atol=1e-3)
+    np.testing.assert_allclose((posterior_mean - mean) @ direction, 0.3, atol=1e-3)
     np.testing.assert_allclose(covariance @ other, other, atol=2e-2)
     assert other @ covariance @ other == pytest.approx(1, abs=2e-2)
     still, nothing = np.zeros(5), np.array([], dtype=int)

@@ -49,13 +49,13 @@ def law():
 
 
 def test_the_numbers_that_are_told_are_the_instruments():
-    found = by_the_instrument(law(), instrument(alarms=True))
-    assert found["inertia"].after.q50 == pytest.approx(0.0645)
-    assert found["inertia"].after.q95 == pytest.approx(0.0645 + 1.645 * 0.002, rel=1e-3)
-    assert found["viscous"].after.q05 == pytest.approx(-0.02 - 1.645 * 0.05, rel=1e-3)
-    assert found["coulomb"].after.q05 > 0
-    assert found["inertia"].least_squares == law()["inertia"].after
-    assert found["offset"] == law()["offset"]
+    numbers = by_the_instrument(law(), instrument(alarms=True))
+    assert numbers["inertia"].after.q50 == pytest.approx(0.0645)
+    assert numbers["inertia"].after.q95 == pytest.approx(0.0645 + 1.645 * 0.002, rel=1e-3)
+    assert numbers["viscous"].after.q05 == pytest.approx(-0.02 - 1.645 * 0.05, rel=1e-3)
+    assert numbers["coulomb"].after.q05 > 0
+    assert numbers["inertia"].least_squares == law()["inertia"].after
+    assert numbers["offset"] == law()["offset"]
     mass = by_the_instrument({"armature": law()["inertia"]}, instrument(alarms=True))
     assert mass["armature"].after.q50 == pytest.approx(0.0645)
 
@@ -170,12 +170,12 @@ def test_a_cause_is_as_strong_as_the_instrument_tells_that_alarms(alarms, expect
         unit="N·m", ordinary=0.47, ordinary_se=0.01, instrumental=0.489, instrumental_se=0.012
     )
     beside = instrument(alarms=alarms).model_copy(update={"effects": {"gravity-torque": value}})
-    (told,) = causes_by_the_instrument([cause], beside, all_effects(None))
-    torque = told.parameters["torque"]
+    (corrected,) = causes_by_the_instrument([cause], beside, all_effects(None))
+    torque = corrected.parameters["torque"]
     # The shape's error stays: 0.013 squared less the noise's 0.01 squared.
     assert (torque.mean, torque.sd) == pytest.approx(expected, abs=5e-5)
     assert torque.unit == "N·m"
-    assert told.strength == pytest.approx(expected[0])
+    assert corrected.strength == pytest.approx(expected[0])
 
 
 def test_an_instrument_s_numbers_are_as_much_wider_as_those_that_were_fitted():

@@ -45,9 +45,9 @@ class Counted:
         def counted(*arguments, **options):
             if (name, self.done[name]) == self.stop:
                 raise KeyboardInterrupt
-            found = function(*arguments, **options)
+            value = function(*arguments, **options)
             self.done[name] += 1
-            return found
+            return value
 
         return counted
 

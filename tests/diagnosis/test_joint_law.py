@@ -23,28 +23,30 @@ SMALL = {"runs": 2, "seconds": 12.0, "sampled_hz": 100.0}
 SHORT = {"runs": 1, "seconds": 1.2, "sampled_hz": 250.0, "gravity": 0.0}
 
 
-def causes_of(found):
-    return {one.effect: one for one in found.causes}
+def causes_of(summary):
+    return {cause.effect: cause for cause in summary.causes}
 
 
 def test_inertia_friction_and_offset_are_the_law_and_no_cause():
     joint = LoadedJoint(**SMALL, gravity=0.0, offset=0.07, viscous=0.12)
-    found = bf.diagnose(joint.recording()).summary
-    assert (found.baseline, found.verdict, found.causes) == ("coulomb-viscous", "no-gap", ())
+    summary = bf.diagnose(joint.recording()).summary
+    assert (summary.baseline, summary.verdict, summary.causes) == ("coulomb-viscous", "no-gap", ())
     truth = {"inertia": 0.06, "coulomb": 0.18, "viscous": 0.12, "offset": 0.07}
     units = {"inertia": "kg·m²", "coulomb": "N·m", "viscous": "N·m s/rad", "offset": "N·m"}
-    assert {name: number.unit for name, number in found.law.items()} == units
-    for name, number in found.law.items():
+    assert {name: number.unit for name, number in summary.law.items()} == units
+    for name, number in summary.law.items():
         for value in (number.before, number.after):
             assert value.mean == pytest.approx(truth[name], rel=0.02)
             assert abs(value.mean - truth[name]) < 4 * value.sd + 2e-3 * truth[name]
-    left_out = {one.effect: one.needs for one in found.effects if one.needs}
+    left_out = {tested.effect: tested.needs for tested in summary.effects if tested.needs}
     assert "law-without-offset" in left_out["axis-bias"]
     assert "law-without-coulomb" in left_out["coulomb-missing"]
-    assert [(one.effect, one.by) for one in found.absorbed if one.effect == "viscous"] == [
-        ("viscous", "viscous")
-    ]
-    why = {one.effect: one.log10_bayes_factor_why for one in found.effects}
+    assert [
+        (absorption.effect, absorption.by)
+        for absorption in summary.absorbed
+        if absorption.effect == "viscous"
+    ] == [("viscous", "viscous")]
+    why = {tested.effect: tested.log10_bayes_factor_why for tested in summary.effects}
     assert "rig.other_joints" in why["coupling"]
     assert "model_error" in why["model-error"]
     assert "a mass that is declared" in why["torque-gain"]
@@ -57,12 +59,12 @@ def test_inertia_friction_and_offset_are_the_law_and_no_cause():
 def test_on_a_small_stroke_a_weight_is_no_spring(gravity, noise, seed):
     """On ± 0.25 rad the two differ by less than what is measured: it is said, or it is a weight."""
     joint = Joint(gravity=gravity, strokes_rad=(0.2, 0.05), noise=noise, resolution=1e-4, seed=seed)
-    found = bf.diagnose(joint.recording()).summary
-    rivals = {name for one in found.unseparated for name in one.effects}
-    weighed = list(causes_of(found)) == ["gravity-torque"]
+    summary = bf.diagnose(joint.recording()).summary
+    rivals = {name for group in summary.unseparated for name in group.effects}
+    weighed = list(causes_of(summary)) == ["gravity-torque"]
     assert weighed or {"gravity-torque", "spring"} <= rivals
-    assert found.verdict in ("named", "unseparated")
-    assert found.law["inertia"].after.mean == pytest.approx(joint.inertia, rel=0.06)
+    assert summary.verdict in ("named", "unseparated")
+    assert summary.law["inertia"].after.mean == pytest.approx(joint.inertia, rel=0.06)
 
 
 def test_a_weight_on_a_long_swing_of_one_frequency_is_told_beside_the_inertia():
@@ -107,29 +109,29 @@ def test_a_link_that_is_level_at_zero_has_a_weight_and_no_offset():
 def test_a_drag_that_takes_more_than_friction_is_itself_and_no_stribeck_curve():
     """With a prior of a third of friction, a cube and a Stribeck curve took its place."""
     joint = Joint(gravity=0.0, drag=0.02, noise=0.02, seed=10)
-    found = bf.diagnose(joint.recording()).summary
-    causes = causes_of(found)
+    summary = bf.diagnose(joint.recording()).summary
+    causes = causes_of(summary)
     assert list(causes) == ["air-drag"]
     assert causes["air-drag"].parameters["coefficient"].mean == pytest.approx(0.02, rel=0.1)
-    assert found.law["viscous"].after.mean == pytest.approx(joint.viscous, rel=0.15)
+    assert summary.law["viscous"].after.mean == pytest.approx(joint.viscous, rel=0.15)
 
 
 def test_an_inertia_that_data_have_below_zero_is_not_told_as_known():
     """Something beside the joint pulls it along as it accelerates, a hundred standard errors."""
     samples = Joint(inertia=-0.3, coulomb=0.2, gravity=0.0, seconds=12.0).samples()
-    found = bf.diagnose(recording_of(samples, force_is="motor")).summary.law["inertia"]
-    for told in (found.before, found.after):
-        assert told.q05 > 0
-        assert told.sd > 0.01
-        assert told.q95 - told.q05 > 0.03
+    inertia = bf.diagnose(recording_of(samples, force_is="motor")).summary.law["inertia"]
+    for number in (inertia.before, inertia.after):
+        assert number.q05 > 0
+        assert number.sd > 0.01
+        assert number.q95 - number.q05 > 0.03
 
 
 def test_a_motor_that_is_off_for_half_of_the_log_does_not_silence_the_rest():
     """Where nothing drives, the force is told without any error, and all could be zero there."""
-    found = bf.diagnose(recording_of(switched_off(), force_is="motor")).summary
+    summary = bf.diagnose(recording_of(switched_off(), force_is="motor")).summary
     for name, truth in {"inertia": 0.06, "coulomb": 0.03, "viscous": 0.01}.items():
-        assert found.law[name].after.mean == pytest.approx(truth, rel=0.1)
-    assert list(causes_of(found)) == ["gravity-torque"]
+        assert summary.law[name].after.mean == pytest.approx(truth, rel=0.1)
+    assert list(causes_of(summary)) == ["gravity-torque"]
 
 
 def switched_off():
@@ -182,25 +184,25 @@ def test_a_law_of_cables_is_none_of_a_joint():
 def test_friction_that_grows_with_the_load_is_named_for_a_force_that_was_measured():
     """A measured force cannot saturate: of old it was lost beyond a limit below friction."""
     joint = LoadedJoint(**SMALL, load=0.15)
-    found = bf.diagnose(joint.recording()).summary
-    named = causes_of(found)
+    summary = bf.diagnose(joint.recording()).summary
+    named = causes_of(summary)
     assert set(named) == {"gravity-torque", "load-friction"}
     assert named["load-friction"].parameters["share"].mean == pytest.approx(0.15, rel=0.05)
     assert named["load-friction"].plausible
-    assert found.law["coulomb"].after.mean == pytest.approx(0.18, rel=0.03)
-    assert "torque-saturation" in {one.effect for one in found.effects if one.needs}
+    assert summary.law["coulomb"].after.mean == pytest.approx(0.18, rel=0.03)
+    assert "torque-saturation" in {tested.effect for tested in summary.effects if tested.needs}
 
 
 @pytest.mark.nightly
 def test_gravity_of_forty_times_friction_on_a_small_swing_is_itself():
     """On ± 20° a sine is nearly a line: no spring, and no tenth of the weight."""
     joint = LoadedJoint(**SMALL, gravity=8.0, stroke_rad=0.35, viscous=0.047)
-    found = bf.diagnose(joint.recording()).summary
-    named = causes_of(found)
+    summary = bf.diagnose(joint.recording()).summary
+    named = causes_of(summary)
     assert set(named) == {"gravity-torque"}
     assert named["gravity-torque"].parameters["torque"].mean == pytest.approx(8.0, rel=0.02)
     assert named["gravity-torque"].plausible
-    assert found.law["inertia"].after.mean == pytest.approx(0.06, rel=0.05)
+    assert summary.law["inertia"].after.mean == pytest.approx(0.06, rel=0.05)
 
 
 @pytest.mark.nightly
@@ -214,14 +216,14 @@ def test_a_simulator_without_friction_lacks_coulomb_and_viscous_friction():
         rigid.append(joint.inertia * acceleration + joint.gravity * np.sin(position))
     samples = samples.assign(sim_force_n=np.concatenate(rigid))
     recording = recording_of(samples, recording.axis.runs, force_is="motor")
-    found = bf.diagnose(recording).summary
-    named = causes_of(found)
+    summary = bf.diagnose(recording).summary
+    named = causes_of(summary)
     assert set(named) == {"coulomb-missing", "viscous"}
     force = named["coulomb-missing"].parameters["force"]
     assert (force.mean, force.unit) == (pytest.approx(0.18, rel=0.05), "N·m")
     # Damping that is right for a geared joint is no fault: 0.28 of Coulomb friction at 1 rad/s.
     assert named["viscous"].plausible
-    assert not any("plausible" in line for line in found.attention)
+    assert not any("plausible" in line for line in summary.attention)
 
 
 def test_what_is_declared_is_held_and_what_contradicts_it_comes_first():
@@ -231,10 +233,10 @@ def test_what_is_declared_is_held_and_what_contradicts_it_comes_first():
     # A force sensor is good to 2 %, and one axis cannot tell its scale from the mass.
     assert (prior.mean, prior.sd) == (0.06, pytest.approx(np.hypot(0.0006, 0.0012)))
     heavy = LoadedJoint(**SMALL, gravity=0.0, constants=declared | {"moving_mass_kg": 0.02})
-    found = bf.diagnose(heavy.recording()).summary
-    assert found.attention[0].startswith("The data contradict what is declared: rig.moving_mass")
-    assert "0.02 ±" in found.attention[0]
-    assert "friction before the sensor" in found.attention[1]
+    summary = bf.diagnose(heavy.recording()).summary
+    assert summary.attention[0].startswith("The data contradict what is declared: rig.moving_mass")
+    assert "0.02 ±" in summary.attention[0]
+    assert "friction before the sensor" in summary.attention[1]
 
 
 @pytest.mark.usefixtures("lengths_not_searched")
@@ -307,8 +309,8 @@ LADDER = {
 @pytest.mark.nightly
 @pytest.mark.parametrize(("machine", "expected"), LADDER.values(), ids=LADDER)
 def test_the_rung_that_made_it_is_named(machine, expected):
-    found = bf.diagnose(LoadedJoint(**machine).recording()).summary
-    assert set(causes_of(found)) == {"gravity-torque"} | expected
+    summary = bf.diagnose(LoadedJoint(**machine).recording()).summary
+    assert set(causes_of(summary)) == {"gravity-torque"} | expected
 
 
 def test_numbers_are_as_wide_as_parts_of_the_log_where_nothing_is_decided(monkeypatch):

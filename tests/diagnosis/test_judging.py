@@ -66,12 +66,15 @@ def test_what_is_left_counts_where_it_is_large_and_matters(shares, labels, pract
     assert _leaves_too_much(judged(shares, labels), practical) == pytest.approx(expected)
 
 
-@pytest.mark.parametrize(("known", "expected"), [(False, 1.0), (True, 0.0)])
-def test_what_another_effect_makes_is_not_left_by_the_causes(known, expected):
+@pytest.mark.parametrize(("explained_by_both", "expected"), [(False, 1.0), (True, 0.0)])
+def test_what_another_effect_makes_is_not_left_by_the_causes(explained_by_both, expected):
     """Slip makes half of the gap: less sure than viscous friction, and no unknown force."""
     both = np.stack([OWN, REST], axis=1)
-    found = judged([0.5] * 4, ["slip+viscous"] * 4)
-    assert _leaves_too_much(found, 0.02, lambda label: both if known else None) == expected
+    judgement = judged([0.5] * 4, ["slip+viscous"] * 4)
+    assert (
+        _leaves_too_much(judgement, 0.02, lambda label: both if explained_by_both else None)
+        == expected
+    )
 
 
 def test_what_leaves_too_much_counts_as_unknown_with_all_that_holds_it():
@@ -111,7 +114,7 @@ def test_effects_are_judged_again_where_they_leave_too_much(monkeypatch, force, 
         return Once(**vars(judged([0.5] * 4, ["viscous"] * 3 + ["slip"])))
 
     monkeypatch.setattr(judging, "_judged", once)
-    monkeypatch.setattr(judging, "_reshaped", lambda model, one: None)
+    monkeypatch.setattr(judging, "_reshaped", lambda model, hypothesis: None)
     monkeypatch.setattr(judging, "_with_causes", lambda model, force, best: force)
     weighed = {NONE: Weighed((), 0.0, None, Acting(), AT)}
     classes, priors = Classes((), (), {}), Analysis().diagnosis.hypotheses
@@ -127,12 +130,12 @@ def test_the_remainder_of_an_unknown_force_is_that_force():
     )
     nodes = Wide(0.1, None), Wide(0.1, "velocity"), Wide(0.1, "tension")
     force = Unknown(nodes, np.log([0.5, 0.1, 0.4]), 1.0 + 2 * np.log(10), AT, Acting())
-    told = all_left(search, force)
-    assert told.significant
-    assert told.log10_bayes_factor == pytest.approx(2.0)
-    assert told.share_of_gap is None
-    assert "no cause is named" in told.share_of_gap_why
-    assert told.axis == "tension"  # of the single ones, where it is along all
+    remainder = all_left(search, force)
+    assert remainder.significant
+    assert remainder.log10_bayes_factor == pytest.approx(2.0)
+    assert remainder.share_of_gap is None
+    assert "no cause is named" in remainder.share_of_gap_why
+    assert remainder.axis == "tension"  # of the single ones, where it is along all
 
 
 NUMBERS = np.zeros(0)
@@ -171,13 +174,13 @@ def test_a_force_that_causes_leave_is_beside_them_where_they_are_asked_for(with_
         return replace(AT, value=with_causes)
 
     model = SimpleNamespace(full=SimpleNamespace(evaluate=evaluate))
-    found = judging._with_causes(model, alone, best)
+    beside = judging._with_causes(model, alone, best)
     assert asked == [(AT.psi, acting, Wide(0.1, None), {"viscous": FormShare(0.1)})]
     if kept:
-        assert found is alone
+        assert beside is alone
     else:
-        assert (found.at.value, found.acting, found.form) == (with_causes, acting, best.form)
-        assert found.log_evidence == alone.log_evidence
+        assert (beside.at.value, beside.acting, beside.form) == (with_causes, acting, best.form)
+        assert beside.log_evidence == alone.log_evidence
 
 
 def test_a_force_that_causes_leave_is_a_remainder():
@@ -190,20 +193,20 @@ def test_a_force_that_causes_leave_is_a_remainder():
     foreign = {Hypothesis(["viscous"]): 1.0}
     priors = Analysis().diagnosis.hypotheses
     search = Search(weighed, {}, None, classes, priors, np.eye(1), 0.0, foreign)
-    told = all_left(search, Unknown((Wide(0.1, "order"),), np.zeros(1), 0.0, AT, Acting()))
-    assert told.significant
-    assert told.log10_bayes_factor == pytest.approx(2.0)
+    remainder = all_left(search, Unknown((Wide(0.1, "order"),), np.zeros(1), 0.0, AT, Acting()))
+    assert remainder.significant
+    assert remainder.log10_bayes_factor == pytest.approx(2.0)
 
 
 def weighed_by_name(*labels):
     """Return hypotheses, the first the most probable; their effects are columns of a machine."""
-    found = {}
+    by_names = {}
     for place, label in enumerate(labels):
         names = Hypothesis.parse(label)
         laws = tuple(SimpleNamespace(effect=name) for name in names)
         acting = Acting(laws, (0.0,) * len(laws))
-        found[names] = Weighed(names.names, -100.0 * place, None, acting, AT)
-    return found
+        by_names[names] = Weighed(names.names, -100.0 * place, None, acting, AT)
+    return by_names
 
 
 @pytest.mark.parametrize(
@@ -249,9 +252,9 @@ def test_beside_gravity_an_effect_has_to_take_most_of_what_gravity_leaves(
         0.0,
     )
     once = SimpleNamespace(residuals=residuals, posterior=posterior, arms=arms)
-    found = judging._largest_alone(None, search, once, 0.02)
-    assert found == (None if share is None else (Hypothesis(["gravity-torque"]), share))
+    largest = judging._largest_alone(None, search, once, 0.02)
+    assert largest == (None if share is None else (Hypothesis(["gravity-torque"]), share))
     if share is not None:
-        moved = replace(search, minor=found)
+        moved = replace(search, minor=largest)
         assert moved.probabilities()[Hypothesis(["gravity-torque"])] == pytest.approx(1.0)
         assert moved.best().names == ("gravity-torque",)

@@ -19,16 +19,16 @@ from bayesfric.effects.base import BY_LOAD
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("rung", RUNGS)
 def test_the_rung_that_made_a_joint_is_named_or_possible(rung, seed):
-    found = bf.diagnose(drawn(rung, seed).recording()).summary
-    causes = {one.effect for one in found.causes}
+    summary = bf.diagnose(drawn(rung, seed).recording()).summary
+    causes = {cause.effect for cause in summary.causes}
     assert "gravity-torque" in causes
     if rung == "M1":
         assert causes == {"gravity-torque"}
         return
-    told = causes | {one.effect for one in (*found.possible, *found.considered)}
-    assert RUNGS[rung] & told, found.sentence
+    effects = causes | {cause.effect for cause in (*summary.possible, *summary.considered)}
+    assert RUNGS[rung] & effects, summary.sentence
     if rung in ("M3", "M5"):
-        assert any("one direction of the power" in line for line in found.attention)
+        assert any("one direction of the power" in line for line in summary.attention)
 
 
 def test_rungs_of_one_ladder_do_not_act_together_and_share_one_prior():

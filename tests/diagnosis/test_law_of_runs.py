@@ -89,8 +89,8 @@ def test_errors_are_as_large_as_held_out_data_show_them_to_be(excess, factor):
         update={"held_out_excess": excess, "friction_rms": 1.0, "floor": floor}
     )
     law = {
-        name: LawNumber(unit="1", before=known, after=known)
-        for name, known in (("viscous", interval(0.54, 0.01)), ("coulomb", interval(0.01, 0.005)))
+        name: LawNumber(unit="1", before=number, after=number)
+        for name, number in (("viscous", interval(0.54, 0.01)), ("coulomb", interval(0.01, 0.005)))
     }
     numbers = widened(law, by_held_out(law, gap, 0.02))
     viscous, coulomb = numbers["viscous"].after, numbers["coulomb"].after
@@ -118,8 +118,8 @@ def test_a_number_squeezed_at_its_bound_widens_as_the_normal_that_the_bound_cuts
 def test_numbers_of_a_law_whose_viscous_friction_is_below_zero_are_off_by_as_much():
     """A controller that answers ripple: -1.23 ± 0.03, and Coulomb friction 0.4 ± 0.1 beside it."""
     law = {
-        name: LawNumber(unit="1", before=known, after=known)
-        for name, known in (("viscous", interval(-1.23, 0.03)), ("coulomb", interval(0.4, 0.1)))
+        name: LawNumber(unit="1", before=number, after=number)
+        for name, number in (("viscous", interval(-1.23, 0.03)), ("coulomb", interval(0.4, 0.1)))
     }
     factors = by_sign(law, speed=0.3)
     numbers = widened(law, factors)
@@ -224,7 +224,7 @@ def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed, around
         assert held == numbers["inertia"].after
 
 
-def joint_that_swings(stroke, *frequencies_hz, known=0.0, gravity=9.81):
+def joint_that_swings(stroke, *frequencies_hz, held=0.0, gravity=9.81):
     """Return a model whose joint runs along a sum of sines, of which nothing but that is asked."""
     rate = 2 * np.pi * np.array(frequencies_hz)
     turned = np.multiply.outer(np.linspace(0.0, 20.0, 400), rate)
@@ -237,7 +237,7 @@ def joint_that_swings(stroke, *frequencies_hz, known=0.0, gravity=9.81):
         way=way,
         beside=np.zeros((400, 0)),
         simulated=np.zeros((400, 0)),
-        known_held=np.full((400, 1), known),
+        known_held=np.full((400, 1), held),
         known_moved=np.zeros((400, 1)),
     )
     law = np.stack(columns, axis=1)
@@ -254,7 +254,7 @@ def test_a_short_stroke_of_one_frequency_hides_inertia_behind_gravity():
     factor = gravity_hides_inertia(joint_that_swings(0.1, 0.5), turns=True)
     assert factor > 100
     assert gravity_hides_inertia(joint_that_swings(0.1, 0.2, 0.9), turns=True) is None
-    assert gravity_hides_inertia(joint_that_swings(0.1, 0.5, known=1.0), turns=True) is None
+    assert gravity_hides_inertia(joint_that_swings(0.1, 0.5, held=1.0), turns=True) is None
     assert gravity_hides_inertia(joint_that_swings(0.1, 0.5), turns=False) is None
     assert gravity_hides_inertia(joint_that_swings(0.1, 0.5, gravity=0.0), turns=True) is None
     inertia = interval(0.06, 0.001)

@@ -29,16 +29,18 @@ def weighed():
     truth = Truth(effects=[AppliedEffect(effect, law, {effect.amplitude.name: 0.1})])
     recording = simulate_recording(SMALL, seed=5, rigs=("gravity",), truth=truth)
     candidates = [
-        one for name in ("end-asymmetry", "viscous") for one in candidates_of(all_effects()[name])
+        candidate
+        for name in ("end-asymmetry", "viscous")
+        for candidate in candidates_of(all_effects()[name])
     ]
     first = LinearModel(data_of(recording), table1_coefficients(), candidates, Analysis())
     at = climb(first, first.noise.start, Acting())
     inverse = np.linalg.inv(curvature_at(first, at, Acting()))
-    known = weigh(first, ("viscous",), [at.psi], inverse, 0.0)
-    acting = first.amplitudes(known.at, known.acting)
+    viscous = weigh(first, ("viscous",), [at.psi], inverse, 0.0)
+    acting = first.amplitudes(viscous.at, viscous.acting)
     forms = other_forms([rig.rows for rig in first.rigs], acting)
-    model = squeezed(first.around(first.laws, candidates, forms=forms), known.at.psi)
-    return model, weigh(model, ("viscous",), [known.at.psi], inverse, 0.0)
+    model = squeezed(first.around(first.laws, candidates, forms=forms), viscous.at.psi)
+    return model, weigh(model, ("viscous",), [viscous.at.psi], inverse, 0.0)
 
 
 @pytest.mark.parametrize("whole", [False, True], ids=["squeezed", "whole"])
@@ -47,13 +49,13 @@ def test_with_sizes_that_are_known_draws_are_normal_by_the_closed_form(
     weighed, monkeypatch, whole, size, share
 ):
     """Of the numbers of all sizes of pulleys, effects, forms and nuisances together."""
-    model, one = weighed
+    model, hypothesis = weighed
     model = model.full if whole else model
     monkeypatch.setattr(left_open, "SIZES", np.array([size]))
     monkeypatch.setattr(left_open, "SHARES", (share,))
-    drawn = drawn_numbers(model, one, DRAWS, np.random.default_rng(1))
-    information = model.evaluate(one.at.psi, one.acting).information
-    priors = [model.amplitude_prior(law) for law in one.acting.laws]
+    drawn = drawn_numbers(model, hypothesis, DRAWS, np.random.default_rng(1))
+    information = model.evaluate(hypothesis.at.psi, hypothesis.acting).information
+    priors = [model.amplitude_prior(law) for law in hypothesis.acting.laws]
     prior = model.prior(priors, None, {"viscous": FormShare(share)}, discrepancy=size)
     _, mean, covariance = information.integrated(*prior)
     sd = np.sqrt(np.diag(covariance))
@@ -73,11 +75,11 @@ def test_each_axis_and_each_amount_is_a_group_of_its_own(weighed):
     """Every number is in one, and forms apart by the axis that they change along."""
     model, _ = weighed
     mixing, groups = left_open._groups(model)
-    places = np.concatenate([one.places for one in groups])
+    places = np.concatenate([group.places for group in groups])
     np.testing.assert_array_equal(np.sort(places), np.arange(mixing.shape[1]))
-    axes = {one.axis for one in model.full.discrepancy.smooths}
+    axes = {smooth.axis for smooth in model.full.discrepancy.smooths}
     amounts = {candidate.effect.name for candidate, _ in model.full.discrepancy.amounts}
-    forms = {one.axis for one in model.forms}
+    forms = {form.axis for form in model.forms}
     assert {"speed_m_s", "tension_n", "order"} <= forms
     assert len(groups) == len(axes) + len(amounts) + len(forms)
-    assert [one.sizes[0] for one in groups[-len(forms) :]] == [0.0] * len(forms)
+    assert [group.sizes[0] for group in groups[-len(forms) :]] == [0.0] * len(forms)

@@ -63,7 +63,7 @@ def acting_of(model, *, phases=True):
 
 
 def psi_of(model, *, phases=True):
-    psi = np.log([NOISE[one.name] for one in model.noise])
+    psi = np.log([NOISE[parameter.name] for parameter in model.noise])
     return np.append(psi, np.log(0.4)) if phases else psi
 
 
@@ -88,10 +88,14 @@ def test_the_board_of_weights_is_a_dense_normal(model, level):
         part = with_heavy_scatter(part, HeavyScatter(level, 4.0, rank, weight, 0 * weight))
     mixing = model.mixing(acting)
     place, amplitude = acting.phases[0].places[0], 0.4
-    found = part.evaluate(NOISE, mixing, [(place, amplitude, "runout:once")]).information
+    information = part.evaluate(NOISE, mixing, [(place, amplitude, "runout:once")]).information
     # Small numbers: the density is then a number of which a millionth can be seen.
-    numbers = 1e-3 * np.random.default_rng(1).standard_normal(found.slope.size)
-    value = found.constant + found.slope @ numbers - 0.5 * numbers @ found.precision @ numbers
+    numbers = 1e-3 * np.random.default_rng(1).standard_normal(information.slope.size)
+    value = (
+        information.constant
+        + information.slope @ numbers
+        - 0.5 * numbers @ information.precision @ numbers
+    )
     weights, _ = wander_weights(NOISE["wander_length"], part._travel)
     columns = part.columns_of(part.rows) @ model.layout.mixed(mixing)
     scattered = part.random_of(part.rows)
@@ -138,14 +142,14 @@ def test_what_is_said_of_candidates_is_so_of_their_hypotheses(model):
     wanted = model.evaluate(psi, acting)
     for places in ([*viscous.places[::-1]], [*torque.places, *viscous.places], viscous.places):
         said = model.mixed(model.information_on(psi, places), places, acting)
-        found = model.integrated(psi, acting, said)
-        assert found.value == pytest.approx(wanted.value, abs=1e-7)
-        np.testing.assert_allclose(found.mean, wanted.mean, rtol=1e-7, atol=1e-9)
-        np.testing.assert_allclose(found.information.slope, wanted.information.slope, rtol=1e-9)
+        evaluated = model.integrated(psi, acting, said)
+        assert evaluated.value == pytest.approx(wanted.value, abs=1e-7)
+        np.testing.assert_allclose(evaluated.mean, wanted.mean, rtol=1e-7, atol=1e-9)
+        np.testing.assert_allclose(evaluated.information.slope, wanted.information.slope, rtol=1e-9)
     nearby = psi + 0.1
     said = model.mixed(model.information_on(nearby, viscous.places), viscous.places, acting)
-    found = model.integrated(nearby, acting, said)
-    assert found.value == pytest.approx(model.evaluate(nearby, acting).value, abs=1e-7)
+    evaluated = model.integrated(nearby, acting, said)
+    assert evaluated.value == pytest.approx(model.evaluate(nearby, acting).value, abs=1e-7)
 
 
 def test_a_noise_that_many_start_from_is_computed_once():
@@ -159,9 +163,9 @@ def test_a_noise_that_many_start_from_is_computed_once():
 
     said, noise = InformationCache(), np.zeros(2)
     for places in ([3, 1], [3], [], [2], [0, 2], [1, 3]):
-        found = said.of(noise, places, 4, 1, computed)
-        assert found.slope.tolist() == [-1.0, *places, -2.0]
-        assert found.precision.diagonal().tolist() == [1.0, *np.square(places), 4.0]
+        information = said.of(noise, places, 4, 1, computed)
+        assert information.slope.tolist() == [-1.0, *places, -2.0]
+        assert information.precision.diagonal().tolist() == [1.0, *np.square(places), 4.0]
     assert calls == [[0, 1, 2, 3]]
 
 
@@ -182,10 +186,10 @@ def test_long_trials_whose_scatter_is_all_that_they_show(model):
     part._cached_sums = {}
     noise = NOISE | {"tau": 0.5, "omega": 1e-12, "omega_intercept": 1e-12}
     mixing = model.mixing(acting_of(model, phases=False))
-    found = part.evaluate(noise, mixing).information
+    information = part.evaluate(noise, mixing).information
     weights, _ = wander_weights(noise["wander_length"], part._travel)
     columns = part.columns_of(part.rows) @ model.layout.mixed(mixing)
-    precision, total = np.zeros_like(found.precision), 0.0
+    precision, total = np.zeros_like(information.precision), 0.0
     for trial, rows in enumerate(part.rows.rows_of_trials()):
         sd = np.sqrt(part.rows.variance[rows])
         nuisance, whole = part.rows.events.regressors[:3, rows] / sd, random[rows, TRIAL] / sd
@@ -202,22 +206,26 @@ def test_long_trials_whose_scatter_is_all_that_they_show(model):
         left = off.T @ (part.rows.residual[rows] / sd)
         total += multivariate_normal.logpdf(left, np.zeros(left.size), own)
         place = model.layout.spread(columns.shape[1], part.size[trial])
-        here = off.T @ (columns[rows] / sd[:, None])
-        precision[np.ix_(place, place)] += here.T @ np.linalg.solve(own, here)
+        weighted = off.T @ (columns[rows] / sd[:, None])
+        precision[np.ix_(place, place)] += weighted.T @ np.linalg.solve(own, weighted)
         precision[np.ix_(place, place)] += np.outer(along, along) / (noise["tau"] * size) ** 2
-    assert found.constant == pytest.approx(total, abs=1e-5)
+    assert information.constant == pytest.approx(total, abs=1e-5)
     root = np.sqrt(1 + np.diag(precision))  # beside a prior of 1
-    assert found.precision / root / root[:, None] == pytest.approx(
+    assert information.precision / root / root[:, None] == pytest.approx(
         precision / root / root[:, None], abs=1e-4
     )
 
 
 def test_the_board_of_a_motor_is_a_dense_normal(model):
     part, acting = model.rigs[1], acting_of(model)
-    found = part.evaluate(NOISE, model.mixing(acting)).information
+    information = part.evaluate(NOISE, model.mixing(acting)).information
     columns = part.columns @ model.layout.mixed(model.mixing(acting))
-    numbers = np.random.default_rng(2).standard_normal(found.slope.size)
-    value = found.constant + found.slope @ numbers - 0.5 * numbers @ found.precision @ numbers
+    numbers = np.random.default_rng(2).standard_normal(information.slope.size)
+    value = (
+        information.constant
+        + information.slope @ numbers
+        - 0.5 * numbers @ information.precision @ numbers
+    )
     local = np.stack([numbers[model.layout.spread(columns.shape[1], s)] for s in part.size])
     residual = part.rows.reading - (columns * local).sum(axis=1)
     moved, load = part._moved, np.asarray(part.rows.state.load_current_a)
@@ -241,7 +249,7 @@ def test_the_board_of_a_motor_is_a_dense_normal(model):
 def test_a_rig_keeps_sums_of_its_columns_alone(model):
     """Kept event by event, columns of all numbers are most of what a diagnosis takes."""
     part = model.rigs[0]
-    kept = [one.size for one in vars(part).values() if isinstance(one, np.ndarray)]
+    kept = [value.size for value in vars(part).values() if isinstance(value, np.ndarray)]
     assert max(kept) == len(part.setup)
 
 
@@ -262,12 +270,12 @@ def test_some_trials_at_a_time_have_the_columns_of_all(model, monkeypatch):
 
 def test_derivatives_are_those_of_differences(model):
     acting, psi = acting_of(model), psi_of(model)
-    found = model.evaluate(psi, acting, gradient=True).gradient
+    gradient = model.evaluate(psi, acting, gradient=True).gradient
     for place in range(psi.size):
         step = np.zeros_like(psi)
         step[place] = 3e-3
-        there, here = (model.evaluate(psi + s * step, acting).value for s in (1, -1))
-        assert found[place] == pytest.approx((there - here) / 6e-3, rel=2e-3, abs=0.05)
+        above, below = (model.evaluate(psi + s * step, acting).value for s in (1, -1))
+        assert gradient[place] == pytest.approx((above - below) / 6e-3, rel=2e-3, abs=0.05)
 
 
 def test_trials_that_are_left_out_say_nothing():
@@ -289,7 +297,8 @@ def test_trials_that_are_left_out_say_nothing():
     # Sums of terms of both signs round by their own size, not by that of what is left.
     size = np.sqrt(np.diag(whole.precision).clip(1.0))
     added, all_of_it = (
-        one / np.outer(size, size) for one in (parts.precision - idle.precision, whole.precision)
+        precision / np.outer(size, size)
+        for precision in (parts.precision - idle.precision, whole.precision)
     )
     np.testing.assert_allclose(added, all_of_it, atol=1e-9)
     np.testing.assert_allclose(parts.slope - idle.slope, whole.slope, rtol=1e-9, atol=1e-8)
@@ -302,8 +311,8 @@ def test_a_squeezed_model_says_the_same(model):
     small = squeezed(model, plain)
     assert small.layout.always < 0.8 * model.layout.always
     gains = [
-        one.evaluate(psi, acting).value - one.evaluate(plain, nothing).value
-        for one in (model, small)
+        linear_model.evaluate(psi, acting).value - linear_model.evaluate(plain, nothing).value
+        for linear_model in (model, small)
     ]
     assert gains[0] == pytest.approx(gains[1], abs=0.1)
 
@@ -329,11 +338,11 @@ def test_a_model_does_not_outlive_its_use():
     model = model_of(("viscous",))
     small = squeezed(model, psi_of(model, phases=False))
     small.evaluate(psi_of(model, phases=False), Acting(), gradient=True)
-    known = weakref.ref(model), weakref.ref(small)
+    references = weakref.ref(model), weakref.ref(small)
     gc.disable()
     try:
         del model, small
-        assert [one() for one in known] == [None, None]
+        assert [weak() for weak in references] == [None, None]
     finally:
         gc.enable()
 

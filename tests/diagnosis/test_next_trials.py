@@ -13,5 +13,5 @@ def test_their_events_are_as_uncertain_as_those_that_were_recorded(error):
     recording = simulate_recording(SMALL, seed=5, truth=truth, rigs=("gravity",))
     board = data_of(recording).rigs[0]
     laid = board.next_trials(table1_coefficients())
-    found = laid.linear(table1_coefficients()).variance
-    assert np.sqrt(found) == pytest.approx(error, rel=0.1)
+    variance = laid.linear(table1_coefficients()).variance
+    assert np.sqrt(variance) == pytest.approx(error, rel=0.1)

@@ -76,13 +76,13 @@ def test_two_joints_together_tell_what_each_tells_a_part_of():
     second = ModelAmounts.after_data(
         np.array([-1.0]), np.array([[0.04]]), np.array([[0.0, 1.0]]), before()
     )
-    found = {one.number: one for one in model_errors([first, second])}
-    assert found["mass"].error.mean == pytest.approx(0.5)
-    assert found["mass"].error.sd == pytest.approx(0.1)
-    assert found["hx"].error.mean == pytest.approx(0.5 - 2.0)
-    assert found["hx"].error.sd == pytest.approx(np.hypot(0.1, 2 * 0.2))
-    assert found["mass"].significant
-    alone = {one.number for one in model_errors([first])}
+    errors = {error.number: error for error in model_errors([first, second])}
+    assert errors["mass"].error.mean == pytest.approx(0.5)
+    assert errors["mass"].error.sd == pytest.approx(0.1)
+    assert errors["hx"].error.mean == pytest.approx(0.5 - 2.0)
+    assert errors["hx"].error.sd == pytest.approx(np.hypot(0.1, 2 * 0.2))
+    assert errors["mass"].significant
+    alone = {error.number for error in model_errors([first])}
     assert alone == {"mass"}
 
 

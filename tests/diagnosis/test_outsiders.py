@@ -37,9 +37,9 @@ def two_speeds(order, speed):
     ids=["two-speed-resonance", "wave-in-time", "slow-wave-in-time"],
 )
 def test_points_with_an_outsider_are_unknown_or_undecided(tmp_path, shape, seed):
-    found = bf.diagnose(recorded(tmp_path / "bench", points(shape, seed))).summary
-    assert found.verdict in ("unknown", "undecided")
-    assert found.causes == ()
+    summary = bf.diagnose(recorded(tmp_path / "bench", points(shape, seed))).summary
+    assert summary.verdict in ("unknown", "undecided")
+    assert summary.causes == ()
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -47,8 +47,8 @@ def test_points_without_one_have_no_gap(tmp_path, seed):
     table = points(lambda order, speed: order, seed)
     rng = np.random.default_rng([seed, 8])
     table["friction_n"] = 0.8 * (1 + 0.008 * rng.standard_normal(90))
-    found = bf.diagnose(recorded(tmp_path / "bench", table)).summary
-    assert found.verdict == "no-gap"
+    summary = bf.diagnose(recorded(tmp_path / "bench", table)).summary
+    assert summary.verdict == "no-gap"
 
 
 WAVE = {"in_time": lambda now: SHARE * np.sqrt(2) * np.sin(2 * np.pi * now / 3.1)}
@@ -60,7 +60,9 @@ COLD = {"in_time": lambda now: 0.14 * np.exp(-now / 1.0)}  # 3 % rms in eight se
 def test_an_axis_with_an_outsider_is_unknown_or_undecided(tmp_path, outsider):
     machine = Machine(**outsider)
     runs, samples = simulate(machine, runs=6, seconds=8.0, seed=100)
-    found = bf.diagnose(bf.read_recording(write(tmp_path / "axis", machine, runs, samples))).summary
-    assert found.verdict in ("unknown", "undecided")
-    assert "along time" in found.sentence
-    assert found.causes == ()
+    summary = bf.diagnose(
+        bf.read_recording(write(tmp_path / "axis", machine, runs, samples))
+    ).summary
+    assert summary.verdict in ("unknown", "undecided")
+    assert "along time" in summary.sentence
+    assert summary.causes == ()

@@ -59,7 +59,7 @@ def test_two_positive_amplitudes_against_quadrature():
     precision, slope = [[4.0, 3.0], [3.0, 5.0]], [1.0, 2.5]
     laws = [Law("one", "a", (0,), (0.0,), 0.0), Law("other", "b", (1,), (0.0,), 0.0)]
     form = quadratic(HalfNormal(scale=1.0), HalfNormal(scale=1.0), precision=precision, slope=slope)
-    found = form.values(laws, [np.zeros(1), np.zeros(1)], exact=True)[0]
+    log_integral = form.values(laws, [np.zeros(1), np.zeros(1)], exact=True)[0]
 
     def density(y, x):
         at = np.array([x, y])
@@ -67,9 +67,9 @@ def test_two_positive_amplitudes_against_quadrature():
         return likelihood * 4 * norm.pdf(x) * norm.pdf(y)
 
     expected, _ = dblquad(density, 0, 10, 0, 10, epsabs=1e-9)
-    assert found == pytest.approx(np.log(expected), abs=1e-3)
+    assert log_integral == pytest.approx(np.log(expected), abs=1e-3)
     # The product of marginals is another number.
-    assert abs(form.values(laws, [np.zeros(1), np.zeros(1)])[0] - found) > 0.01
+    assert abs(form.values(laws, [np.zeros(1), np.zeros(1)])[0] - log_integral) > 0.01
 
 
 @pytest.mark.parametrize("strength", [1.0, 30.0, 3000.0])
@@ -85,15 +85,15 @@ def test_a_shape_is_integrated_however_well_it_is_known(strength):
     slope = strength * np.cos(0.5 * (nodes - shape))
     law = Law("one", "a", tuple(range(13)), tuple(nodes), 0.0)
     form = quadratic(Normal(mean=0.0, sd=1.0), precision=precision, slope=slope)
-    (found,) = choose(form, {"one": (law,)}, ["one"])
+    (choice,) = choose(form, {"one": (law,)}, ["one"])
     pull = strength * np.cos(0.5 * (grid - shape))
     value = 0.5 * pull**2 / (strength + 1) - 0.5 * np.log(strength + 1) - 0.5 * grid**2
     top = value.max()
     weight = np.exp(-0.5 * grid**2).sum()
     expected = top + np.log(np.exp(value - top).sum() / weight)
-    assert found.log_evidence == pytest.approx(expected, rel=5e-5, abs=0.05)
+    assert choice.log_evidence == pytest.approx(expected, rel=5e-5, abs=0.05)
     if strength > 10:
-        assert found.shapes[0] == pytest.approx(shape, abs=0.1)
+        assert choice.shapes[0] == pytest.approx(shape, abs=0.1)
 
 
 def test_a_narrow_maximum_between_places_is_found_beside_one_at_an_edge():

@@ -57,36 +57,36 @@ def means(shares):
 
 
 def adds_up(shares):
-    each = np.stack([*shares.share.values(), shares.unexplained])
-    assert each.min() >= 0
-    assert each.max() <= 1
-    np.testing.assert_allclose(each.sum(axis=0), 1.0, atol=1e-6)
+    parts = np.stack([*shares.share.values(), shares.unexplained])
+    assert parts.min() >= 0
+    assert parts.max() <= 1
+    np.testing.assert_allclose(parts.sum(axis=0), 1.0, atol=1e-6)
 
 
 def test_a_force_along_one_of_two_independent_covariates_lies_along_it():
     velocity, tension = grid()
     board = windows({"velocity": velocity, "tension": tension})
-    found = shares_of(board, unit(velocity)[:, None] * [[1.0, -2.0]], {})
-    adds_up(found)
-    assert means(found) == pytest.approx({"velocity": 1.0, "tension": 0.0}, abs=0.01)
-    assert found.alone["velocity"] == pytest.approx(1.0, abs=0.01)
-    assert found.unexplained == pytest.approx(0.0, abs=0.01)
+    shares = shares_of(board, unit(velocity)[:, None] * [[1.0, -2.0]], {})
+    adds_up(shares)
+    assert means(shares) == pytest.approx({"velocity": 1.0, "tension": 0.0}, abs=0.01)
+    assert shares.alone["velocity"] == pytest.approx(1.0, abs=0.01)
+    assert shares.unexplained == pytest.approx(0.0, abs=0.01)
 
 
 def test_a_force_along_both_is_parted_by_its_variances():
     velocity, tension = grid()
     board = windows({"velocity": velocity, "tension": tension})
-    found = shares_of(board, (3 * unit(velocity) + 4 * unit(tension))[:, None], {})
-    assert means(found) == pytest.approx({"velocity": 9 / 25, "tension": 16 / 25}, abs=0.01)
+    shares = shares_of(board, (3 * unit(velocity) + 4 * unit(tension))[:, None], {})
+    assert means(shares) == pytest.approx({"velocity": 9 / 25, "tension": 16 / 25}, abs=0.01)
 
 
 def test_a_force_of_a_product_is_shared_alike():
     velocity, tension = grid()
     board = windows({"velocity": velocity, "tension": tension})
-    found = shares_of(board, (unit(velocity) * unit(tension))[:, None], {})
-    adds_up(found)
-    assert means(found) == pytest.approx({"velocity": 0.5, "tension": 0.5}, abs=0.01)
-    assert found.alone["velocity"] == pytest.approx(0.0, abs=0.01)
+    shares = shares_of(board, (unit(velocity) * unit(tension))[:, None], {})
+    adds_up(shares)
+    assert means(shares) == pytest.approx({"velocity": 0.5, "tension": 0.5}, abs=0.01)
+    assert shares.alone["velocity"] == pytest.approx(0.0, abs=0.01)
 
 
 def test_correlated_covariates_share_as_all_orders_written_out():
@@ -102,7 +102,7 @@ def test_correlated_covariates_share_as_all_orders_written_out():
         if not some:
             return 0.0
         design = [functions_along(board, name).columns for name in some]
-        design = [one - one.mean(axis=0) for one in design]
+        design = [column - column.mean(axis=0) for column in design]
         design = np.concatenate(design, axis=1)
         left = force - design @ np.linalg.lstsq(design, force, rcond=None)[0]
         return 1 - (left @ left) / (force @ force)
@@ -120,8 +120,8 @@ def test_what_a_refitted_law_takes_up_is_no_share_of_an_axis():
     friction = 0.2 + 0.01 * tension
     board = windows({"velocity": velocity, "tension": tension}, law=True, friction=friction)
     force = board.without_law((friction * (0.2 + 0.1 * velocity**2))[:, None])
-    found = shares_of(board, force, {})
-    assert means(found)["velocity"] == pytest.approx(1.0, abs=0.02)
+    shares = shares_of(board, force, {})
+    assert means(shares)["velocity"] == pytest.approx(1.0, abs=0.02)
 
 
 def test_a_law_that_goes_with_speed_takes_no_share_from_it():
@@ -130,9 +130,9 @@ def test_a_law_that_goes_with_speed_takes_no_share_from_it():
     own, shared = rng.standard_normal((2, ROWS))
     board = windows({"velocity": own + shared, "tension": rng.standard_normal(ROWS)})
     board.columns[:, 0], board.columns[:, 1] = shared, 1.0
-    found = shares_of(board, board.without_law(own)[:, None], {})
-    assert found.alone["velocity"] == pytest.approx(1.0, abs=0.03)
-    assert means(found)["velocity"] == pytest.approx(1.0, abs=0.05)
+    shares = shares_of(board, board.without_law(own)[:, None], {})
+    assert shares.alone["velocity"] == pytest.approx(1.0, abs=0.03)
+    assert means(shares)["velocity"] == pytest.approx(1.0, abs=0.05)
 
 
 def test_an_assembly_counts_for_what_its_condition_does_not_say():
@@ -140,26 +140,26 @@ def test_an_assembly_counts_for_what_its_condition_does_not_say():
     setup = np.repeat(np.arange(30), 10)
     n_pulleys = np.array([5.0, 9.0, 15.0])[setup % 3]
     board = windows({"n_pulleys": n_pulleys, "setup": setup}, setup=setup)
-    found = shares_of(board, unit(n_pulleys**2)[:, None], {})
-    adds_up(found)
-    assert means(found) == pytest.approx({"n_pulleys": 1.0, "setup": 0.0}, abs=0.02)
+    shares = shares_of(board, unit(n_pulleys**2)[:, None], {})
+    adds_up(shares)
+    assert means(shares) == pytest.approx({"n_pulleys": 1.0, "setup": 0.0}, abs=0.02)
     own = np.random.default_rng(5).standard_normal(30)[setup]
-    found = shares_of(board, (own - own.mean())[:, None], {})
-    adds_up(found)
-    assert means(found)["setup"] > 0.85
+    shares = shares_of(board, (own - own.mean())[:, None], {})
+    adds_up(shares)
+    assert means(shares)["setup"] > 0.85
 
 
 def test_a_draw_without_force_is_unexplained():
     velocity, tension = grid()
     board = windows({"velocity": velocity, "tension": tension})
-    found = shares_of(board, np.stack([0 * velocity, unit(velocity)], axis=1), {})
-    adds_up(found)
-    assert found.unexplained == pytest.approx([1.0, 0.0], abs=0.01)
+    shares = shares_of(board, np.stack([0 * velocity, unit(velocity)], axis=1), {})
+    adds_up(shares)
+    assert shares.unexplained == pytest.approx([1.0, 0.0], abs=0.01)
 
 
 def test_units_of_force_change_no_share():
     velocity, tension = grid()
-    found = [
+    shares_by_unit = [
         shares_of(
             windows({"velocity": velocity, "tension": tension}, friction=unit_n),
             unit_n * np.exp(velocity)[:, None],
@@ -167,7 +167,7 @@ def test_units_of_force_change_no_share():
         )
         for unit_n in (1.0, 1e-15)
     ]
-    assert means(found[0]) == pytest.approx(means(found[1]), abs=1e-9)
+    assert means(shares_by_unit[0]) == pytest.approx(means(shares_by_unit[1]), abs=1e-9)
 
 
 def test_a_place_that_a_rig_has_not_explains_nothing_there():
@@ -175,9 +175,9 @@ def test_a_place_that_a_rig_has_not_explains_nothing_there():
     rig = np.repeat([0.0, 1.0], ROWS // 2)
     path = np.where(rig == 0, np.tile(np.linspace(0, 0.6, 10), ROWS // 10), np.nan)
     board = windows({"displacement": path, "rig": rig})
-    found = shares_of(board, unit(rig)[:, None], {})
-    adds_up(found)
-    assert means(found)["rig"] > 0.95
+    shares = shares_of(board, unit(rig)[:, None], {})
+    adds_up(shares)
+    assert means(shares)["rig"] > 0.95
 
 
 def strokes():
@@ -198,12 +198,12 @@ def test_a_spring_lies_along_the_position_and_not_along_the_travel_since_a_rever
     board = windows(
         {"displacement": position, "direction": direction, "travel_since_reversal": travel}
     )
-    found = shares_of(board, unit(position * direction)[:, None], {})
-    adds_up(found)
+    shares = shares_of(board, unit(position * direction)[:, None], {})
+    adds_up(shares)
     # The product of the two axes makes the force: Shapley's value halves it.
-    assert means(found)["displacement"] == pytest.approx(0.5, abs=0.05)
-    assert means(found)["direction"] == pytest.approx(0.5, abs=0.05)
-    assert means(found)["travel_since_reversal"] < 0.01
+    assert means(shares)["displacement"] == pytest.approx(0.5, abs=0.05)
+    assert means(shares)["direction"] == pytest.approx(0.5, abs=0.05)
+    assert means(shares)["travel_since_reversal"] < 0.01
 
 
 def test_what_settles_after_a_reversal_lies_along_the_travel_since_it():
@@ -211,9 +211,9 @@ def test_what_settles_after_a_reversal_lies_along_the_travel_since_it():
     board = windows(
         {"displacement": position, "direction": direction, "travel_since_reversal": travel}
     )
-    found = shares_of(board, unit(np.exp(-travel / 0.02))[:, None], {})
-    adds_up(found)
-    assert means(found)["travel_since_reversal"] > 0.5
+    shares = shares_of(board, unit(np.exp(-travel / 0.02))[:, None], {})
+    adds_up(shares)
+    assert means(shares)["travel_since_reversal"] > 0.5
 
 
 def test_a_wave_that_smooth_functions_cannot_follow_lies_along_its_axis():
@@ -222,22 +222,22 @@ def test_a_wave_that_smooth_functions_cannot_follow_lies_along_its_axis():
     board = windows({"displacement": position, "travel_since_reversal": travel})
     wave = np.sin(2 * np.pi * position / 0.02)
     without = shares_of(board, wave[:, None], {})
-    found = shares_of(board, wave[:, None], {}, [(frozenset({"displacement"}), wave)])
-    adds_up(found)
+    shares = shares_of(board, wave[:, None], {}, [(frozenset({"displacement"}), wave)])
+    adds_up(shares)
     assert means(without)["displacement"] < 0.3
     # A thousandth is shrunk off it by the ridge.
-    assert means(found)["displacement"] > 0.85
-    assert found.unexplained.mean() == pytest.approx(0.001, abs=0.001)
+    assert means(shares)["displacement"] > 0.85
+    assert shares.unexplained.mean() == pytest.approx(0.001, abs=0.001)
 
 
 def test_more_axes_than_compete_add_up_too():
     rng = np.random.default_rng(6)
     columns = rng.standard_normal((2000, 16))
     board = windows({f"covariate_{k}": columns[:, k] for k in range(16)})
-    found = shares_of(board, columns[:, [3]] + 0.5 * columns[:, [4]], {})
-    adds_up(found)
-    assert set(found.share) == set(board.axes)
-    first, second, *_ = sorted(means(found).items(), key=lambda one: -one[1])
+    shares = shares_of(board, columns[:, [3]] + 0.5 * columns[:, [4]], {})
+    adds_up(shares)
+    assert set(shares.share) == set(board.axes)
+    first, second, *_ = sorted(means(shares).items(), key=lambda item: -item[1])
     assert (first[0], second[0]) == ("covariate_3", "covariate_4")
     assert first[1] == pytest.approx(0.8, abs=0.06)
 
@@ -247,10 +247,10 @@ def test_fourteen_axes_that_make_a_force_alike_share_it_alike():
     rng = np.random.default_rng(9)
     columns = rng.standard_normal((4000, 14))
     board = windows({f"covariate_{k}": columns[:, k] for k in range(14)})
-    found = shares_of(board, columns.sum(axis=1)[:, None], {})
-    adds_up(found)
-    assert list(means(found).values()) == pytest.approx([1 / 14] * 14, abs=0.02)
-    assert found.unexplained.mean() < 0.02
+    shares = shares_of(board, columns.sum(axis=1)[:, None], {})
+    adds_up(shares)
+    assert list(means(shares).values()) == pytest.approx([1 / 14] * 14, abs=0.02)
+    assert shares.unexplained.mean() < 0.02
 
 
 def placed(board, force, strengths=(), draws=50):
@@ -268,12 +268,12 @@ def test_the_axis_that_leads_is_first_and_no_other_leads():
     velocity, tension = grid()
     board = windows({"tension": tension, "velocity": velocity, "wrap_angle": np.full(ROWS, 85.0)})
     axes, unexplained, why = placed(board, unit(velocity) + 0.3 * unit(tension))
-    assert [one.axis for one in axes] == ["velocity", "tension", "wrap_angle"]
-    assert [one.leads for one in axes] == [True, False, False]
+    assert [axis.axis for axis in axes] == ["velocity", "tension", "wrap_angle"]
+    assert [axis.leads for axis in axes] == [True, False, False]
     assert axes[0].answers
     assert axes[2].blind
     assert axes[2].share is None
-    total = unexplained.mean + sum(one.share.mean for one in axes if one.share is not None)
+    total = unexplained.mean + sum(axis.share.mean for axis in axes if axis.share is not None)
     assert total == pytest.approx(1.0, abs=1e-6)
     assert why == ""
 
@@ -282,7 +282,7 @@ def test_of_two_that_explain_alike_none_leads():
     velocity, tension = grid()
     board = windows({"tension": tension, "velocity": velocity})
     axes, _, _ = placed(board, unit(velocity) * unit(tension))
-    assert not any(one.leads for one in axes)
+    assert not any(axis.leads for axis in axes)
 
 
 def test_an_axis_that_explains_little_is_no_answer():
@@ -297,7 +297,7 @@ def test_an_axis_that_explains_little_is_no_answer():
 def test_one_axis_alone():
     velocity, _ = grid()
     axes, unexplained, why = placed(windows({"velocity": velocity}), unit(velocity))
-    assert [one.axis for one in axes if one.leads] == ["velocity"]
+    assert [axis.axis for axis in axes if axis.leads] == ["velocity"]
     assert unexplained.mean < 0.01
     assert why == ""
 
@@ -317,7 +317,7 @@ def test_where_nothing_can_be_shared_all_is_unexplained_and_why_is_told(axis, fo
     axes, unexplained, why = placed(board, force)
     assert unexplained.q05 == unexplained.mean == 1.0
     assert reason in why
-    assert not any(one.leads for one in axes)
+    assert not any(entry.leads for entry in axes)
 
 
 def test_what_goes_round_with_unknown_phase_lies_along_the_angle_of_rotation():
@@ -338,7 +338,7 @@ def test_axes_that_no_window_has_together_are_not_confounded():
         {"velocity": first, "displacement": np.where(np.isnan(first), velocity, np.nan)}
     )
     axes, _, _ = placed(board, velocity)
-    assert all(one.confounded_with == () for one in axes)
+    assert all(axis.confounded_with == () for axis in axes)
 
 
 def test_every_effect_says_along_which_axes_it_acts():
@@ -352,5 +352,5 @@ def test_shares_of_a_part_of_the_draws_are_those_of_evenly_taken_ones():
     velocity, tension = grid()
     board = windows({"velocity": velocity, "tension": tension})
     force = np.where(np.arange(1000) < 250, unit(velocity)[:, None], unit(tension)[:, None])
-    found = shares_of(board, force, {})
-    assert means(found)["velocity"] == pytest.approx(0.25, abs=0.01)
+    shares = shares_of(board, force, {})
+    assert means(shares)["velocity"] == pytest.approx(0.25, abs=0.01)

@@ -45,9 +45,9 @@ def search(unknown, best=0.0):
     ],
 )
 def test_a_gap_can_show_where_windows_and_evidence_are_enough(windows, unknown, why):
-    found = why_not_shown(search(unknown), recorded(windows), along_path=False)
-    assert (found is None) == (why is None)
-    assert why is None or why in found
+    reason = why_not_shown(search(unknown), recorded(windows), along_path=False)
+    assert (reason is None) == (why is None)
+    assert why is None or why in reason
 
 
 def test_a_joint_that_turned_once_is_said_to_have_shown_nothing_of_its_places():
@@ -63,16 +63,16 @@ def test_a_joint_that_turned_once_is_said_to_have_shown_nothing_of_its_places():
 
 @pytest.mark.parametrize(("windows", "shown"), [(12, False), (15, False), (16, True)])
 def test_a_dozen_windows_along_a_path_are_no_proof_of_no_gap(windows, shown):
-    found = why_not_shown(search(-3.0), recorded(windows), along_path=True)
-    assert (found is None) == shown
-    assert shown or "16 are needed" in found
+    reason = why_not_shown(search(-3.0), recorded(windows), along_path=True)
+    assert (reason is None) == shown
+    assert shown or "16 are needed" in reason
 
 
 @pytest.mark.parametrize(("trials", "shown"), [(2, False), (6, True)])
 def test_windows_of_one_trial_on_a_board_are_one_reading_of_the_law(trials, shown):
-    found = why_not_shown(search(-3.0), recorded(60, trials=trials), along_path=False)
-    assert (found is None) == shown
-    assert shown or "2 trials of motion for 2 numbers of the law, and 6 are needed" in found
+    reason = why_not_shown(search(-3.0), recorded(60, trials=trials), along_path=False)
+    assert (reason is None) == shown
+    assert shown or "2 trials of motion for 2 numbers of the law, and 6 are needed" in reason
 
 
 def test_what_does_nothing_is_no_number_that_needs_windows():
@@ -135,11 +135,13 @@ def test_a_recording_of_one_stroke_is_refused(tmp_path):
 def test_of_an_axis_without_friction_no_share_is_told(tmp_path):
     machine = Machine(control_hz=500.0, bandwidth_hz=5.0, coulomb=0.0)
     runs, samples = simulate(machine, runs=2, seconds=4.0, seed=3)
-    found = bf.diagnose(bf.read_recording(write(tmp_path / "axis", machine, runs, samples))).summary
-    assert "within its error of zero" in found.gap.no_share
-    assert "% of friction" not in found.sentence
-    assert " N rms" in found.sentence
-    assert "friction is within its error of zero" in found.sentence
+    summary = bf.diagnose(
+        bf.read_recording(write(tmp_path / "axis", machine, runs, samples))
+    ).summary
+    assert "within its error of zero" in summary.gap.no_share
+    assert "% of friction" not in summary.sentence
+    assert " N rms" in summary.sentence
+    assert "friction is within its error of zero" in summary.sentence
 
 
 @pytest.mark.parametrize("untold", [(), ("coulomb",)])

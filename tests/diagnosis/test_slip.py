@@ -22,7 +22,7 @@ BOARD = Protocol({(9, 85.0): 2, (15, 50.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
 SHARE = -0.1
 
 
-def found(law, acting=False, **scatter):
+def share_and_factor(law, acting=False, **scatter):
     """Return share and factor of the events' variance, at the mode of the noise."""
     effect = all_effects()["slip"]
     truth = Truth(**scatter, effects=(AppliedEffect(effect, law, {"share": SHARE}),))
@@ -35,7 +35,7 @@ def found(law, acting=False, **scatter):
         Analysis(),
         discrepancy=False,
     )
-    chosen = next(one for one in model.lawbook["slip"] if one.law == law)
+    chosen = next(candidate for candidate in model.lawbook["slip"] if candidate.law == law)
     if acting:
         acts = [(model.candidate(chosen, 0.0), SHARE)]
         model = model.around(model.laws, model.candidates, discrepancy=False, scattering=acts)
@@ -46,13 +46,13 @@ def found(law, acting=False, **scatter):
 
 @pytest.mark.parametrize("law", ["proportional", "creep"])
 def test_its_share_is_found_however_large(law):
-    share, kappa = found(law, tau=1e-5, omega=1e-5)
+    share, kappa = share_and_factor(law, tau=1e-5, omega=1e-5)
     assert share == pytest.approx(SHARE, rel=2e-3)
     assert kappa == pytest.approx(1.0, abs=0.3)
 
 
 def test_a_slip_that_scatters_with_friction_leaves_the_sensors_noise_alone():
     """Friction of a trial is off by 1 %, and creep by as much: half a millimetre after 0.6 m."""
-    share, kappa = found("creep", acting=True, tau=0.01, omega=0.015)
+    share, kappa = share_and_factor("creep", acting=True, tau=0.01, omega=0.015)
     assert share == pytest.approx(SHARE, rel=0.02)
     assert kappa == pytest.approx(1.0, abs=0.3)

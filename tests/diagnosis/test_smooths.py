@@ -96,8 +96,8 @@ def test_a_law_of_decades_of_speed_is_had_along_a_logarithmic_axis():
 
 def test_places_along_a_logarithmic_axis():
     span = Span(1.0, 3.0, logarithmic=True)
-    found = span.place(np.array([0.0, 1.0, 1.04, 3.0, 9.0]))
-    np.testing.assert_allclose(found, [0.0, 0.0, np.log(2) / np.log(51), 1.0, 1.0])
+    places = span.place(np.array([0.0, 1.0, 1.04, 3.0, 9.0]))
+    np.testing.assert_allclose(places, [0.0, 0.0, np.log(2) / np.log(51), 1.0, 1.0])
 
 
 def test_what_differs_between_two_ends_is_an_effect_where_that_is_examined():

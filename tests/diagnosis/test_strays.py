@@ -34,8 +34,8 @@ def clean(tmp_path_factory):
     return found_of(tmp_path_factory.mktemp("clean"), 1, 3.0)
 
 
-def slope_of(found):
-    (cause,) = found.causes
+def slope_of(summary):
+    (cause,) = summary.causes
     assert cause.effect == "viscous"
     return cause.parameters["slope"]
 
@@ -123,13 +123,15 @@ def test_rows_of_an_axis_with_weights_have_so_much_less_error(driven_axis):
         name: 2 * noise[name] for name in ("sigma_position", "sigma_force", "wander_axis")
     }
     nothing = np.zeros((0, 0))
-    found = weighted.evaluate(noise, nothing).information
+    information = weighted.evaluate(noise, nothing).information
     expected = rig.evaluate(larger, nothing).information
-    assert found.constant == pytest.approx(expected.constant, abs=1e-6)
-    np.testing.assert_allclose(found.slope, expected.slope, rtol=1e-7, atol=1e-9)
-    np.testing.assert_allclose(found.precision, expected.precision, rtol=1e-7, atol=1e-9)
-    one, other = (part.windows(each) for part, each in ((weighted, noise), (rig, larger)))
-    np.testing.assert_allclose(one.covariance[0], other.covariance[0])
+    assert information.constant == pytest.approx(expected.constant, abs=1e-6)
+    np.testing.assert_allclose(information.slope, expected.slope, rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(information.precision, expected.precision, rtol=1e-7, atol=1e-9)
+    weighted_windows, other = (
+        part.windows(level) for part, level in ((weighted, noise), (rig, larger))
+    )
+    np.testing.assert_allclose(weighted_windows.covariance[0], other.covariance[0])
 
 
 def test_rows_of_the_papers_boards_count_alike_and_are_not_looked_at(monkeypatch):

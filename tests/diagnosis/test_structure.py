@@ -15,10 +15,10 @@ from bayesfric.diagnosis.verdict import KnownEffect
 COUNT, PRACTICAL = 200, 0.02
 
 
-def windows(force, *, time_s=None, scatter=0.01, seed=0, told=None):
+def windows(force, *, time_s=None, scatter=0.01, seed=0, stated=None):
     """Return windows with a force as a share of friction in scatter that is told, or another."""
     rng = np.random.default_rng(seed)
-    told = scatter if told is None else told
+    stated = scatter if stated is None else stated
     order = np.arange(1.0, COUNT + 1)
     speed = np.random.default_rng(5).uniform(0, 1, COUNT)
     residual = force(order, speed) + scatter * rng.standard_normal(COUNT)
@@ -32,19 +32,19 @@ def windows(force, *, time_s=None, scatter=0.01, seed=0, told=None):
         counts=None,
         without_law=lambda values: values - values.mean(axis=0),
     )
-    return residuals, told
+    return residuals, stated
 
 
 @pytest.fixture
-def found(monkeypatch):
+def shared_force(monkeypatch):
     """Return what goes together, where redrawn residuals have the scatter that is told."""
 
     def of(force, **options):
-        residuals, told = windows(force, **options)
+        residuals, stated = windows(force, **options)
         monkeypatch.setattr(
             structure,
             "redrawn",
-            lambda residuals, count, rng: told * rng.standard_normal((COUNT, count)),
+            lambda residuals, count, rng: stated * rng.standard_normal((COUNT, count)),
         )
         return shared_by_neighbours(
             residuals, residuals.residual_n, PRACTICAL, np.random.default_rng(1)
@@ -54,8 +54,8 @@ def found(monkeypatch):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_scatter_goes_together_along_no_axis(found, seed):
-    assert found(lambda order, speed: 0.0 * order, seed=seed) is None
+def test_scatter_goes_together_along_no_axis(shared_force, seed):
+    assert shared_force(lambda order, speed: 0.0 * order, seed=seed) is None
 
 
 @pytest.mark.parametrize(
@@ -66,30 +66,30 @@ def test_scatter_goes_together_along_no_axis(found, seed):
         (lambda order, speed: 0.09 * np.exp(-(((speed - 0.3) / 0.06) ** 2)), "velocity"),
     ],
 )
-@pytest.mark.parametrize("told", [0.01, 0.032])
-def test_a_wave_a_start_and_a_resonance_of_three_per_cent_do(found, force, axis, told):
+@pytest.mark.parametrize("stated", [0.01, 0.032])
+def test_a_wave_a_start_and_a_resonance_of_three_per_cent_do(shared_force, force, axis, stated):
     """Also where the force has gone into the scatter that is told."""
-    together = found(force, told=told)
+    together = shared_force(force, stated=stated)
     assert together.axis == axis
     assert 0.015 < together.share < 0.035
     assert together.p_value < 0.01
     assert f"along {axis} share a force of 1 N" in together.words("1 N")
 
 
-def test_what_goes_together_and_does_not_matter_is_left_alone(found):
+def test_what_goes_together_and_does_not_matter_is_left_alone(shared_force):
     """Half a per cent of friction in scatter of a tenth of a per cent."""
 
     def wave(order, speed):
         return 0.005 * np.sin(2 * np.pi * order / 9)
 
-    assert found(wave, scatter=0.001) is None
+    assert shared_force(wave, scatter=0.001) is None
 
 
-def test_a_wave_in_time_shows_where_runs_have_it_at_the_same_time(found):
+def test_a_wave_in_time_shows_where_runs_have_it_at_the_same_time(shared_force):
     """Four runs of fifty windows each: the order of windows alone has it too."""
     time = np.tile(np.linspace(0.0, 10.0, 50), 4)
     wave = 0.03 * np.sin(2 * np.pi * time / 1.3)
-    assert found(lambda order, speed: wave, time_s=time).axis == "time"
+    assert shared_force(lambda order, speed: wave, time_s=time).axis == "time"
 
 
 def test_the_force_that_is_known_is_taken_off(monkeypatch):
@@ -98,8 +98,8 @@ def test_the_force_that_is_known_is_taken_off(monkeypatch):
         structure, "redrawn", lambda r, count, rng: 0.01 * rng.standard_normal((COUNT, count))
     )
     gap = diagnosis().gap.model_copy(update={"friction_rms": 1.0})
-    known = 0.1 * residuals.covariates["velocity"][:, None] * np.ones(3)
-    for force, words in ((known, None), (0 * known, "along velocity")):
+    viscous_force = 0.1 * residuals.covariates["velocity"][:, None] * np.ones(3)
+    for force, words in ((viscous_force, None), (0 * viscous_force, "along velocity")):
         posterior, rng = SimpleNamespace(force=force), np.random.default_rng(1)
         said = unlike_scatter(gap, residuals, residuals.residual_n, posterior, PRACTICAL, rng)
         assert (said is None) == (words is None)
@@ -133,8 +133,10 @@ def test_sensors_that_are_known_to_be_off_explain_what_is_left(measuring, is_ope
 
 def test_the_sentence_says_that_scatter_does_not_explain_what_is_left():
     together = structure.SharedForce("trial_in_setup", 0.028, 0.0025)
-    told = Statement("undecided", 0.5, diagnosis().gap, 0.02, unlike_scatter=together.words("2.8%"))
-    said = sentence_of(told)
+    statement = Statement(
+        "undecided", 0.5, diagnosis().gap, 0.02, unlike_scatter=together.words("2.8%")
+    )
+    said = sentence_of(statement)
     assert "neighbouring residuals along trial in setup share a force of 2.8% (scatter" in said
     assert "Either something else acts, or the assumed scatter is wrong" in said
 

@@ -23,24 +23,26 @@ from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import IMPLAUSIBLE, Unseparated
 
 
-def known(effect="viscous", probability=0.99, above=1.0, **options):
+def effect_with(effect="viscous", probability=0.99, above=1.0, **options):
     return KnownEffect(effect, probability, above, options.pop("strength", 0.1), **options)
 
 
 @pytest.mark.parametrize(
-    ("one", "expected"),
+    ("examined", "expected"),
     [
-        (known(), "cause"),
-        (known(probability=0.89), "possible"),
-        (known(above=0.4), "present"),
-        (known(probability=0.05), None),
-        (known(above=0.0, measuring=True, strength=0.01), "cause"),
-        (known(above=0.0, measuring=True, strength=0.001), "present"),
+        (effect_with(), "cause"),
+        (effect_with(probability=0.89), "possible"),
+        (effect_with(above=0.4), "present"),
+        (effect_with(probability=0.05), None),
+        (effect_with(above=0.0, measuring=True, strength=0.01), "cause"),
+        (effect_with(above=0.0, measuring=True, strength=0.001), "present"),
     ],
 )
-def test_an_effect_is_a_cause_or_present_or_possible(one, expected):
-    found = dict(zip(("cause", "present", "possible"), sort_effects([one]), strict=True))
-    assert {kind for kind, names in found.items() if names} == ({expected} - {None})
+def test_an_effect_is_a_cause_or_present_or_possible(examined, expected):
+    names_by_kind = dict(
+        zip(("cause", "present", "possible"), sort_effects([examined]), strict=True)
+    )
+    assert {kind for kind, names in names_by_kind.items() if names} == ({expected} - {None})
 
 
 CHANCES = {"viscous": 0.95, "none": 0.03, "unknown": 0.02}
@@ -49,12 +51,12 @@ CHANCES = {"viscous": 0.95, "none": 0.03, "unknown": 0.02}
 @pytest.mark.parametrize(
     ("chances", "causes", "above", "together", "verdict", "probability"),
     [
-        ({"unknown": 0.6, "viscous": 0.4}, [known()], 1.0, (), "unknown", 0.6),
-        (CHANCES, [known()], 0.95, (), "named", 0.95),
-        (CHANCES, [known()], 0.5, (), "undecided", 0.5),
-        (CHANCES, [known(measuring=True)], 0.0, (), "no-gap", 1.0),
-        (CHANCES, [known(measuring=True)], 0.5, (), "undecided", 0.5),
-        (CHANCES, [known(measuring=True)], 0.95, (), "named", 0.95),
+        ({"unknown": 0.6, "viscous": 0.4}, [effect_with()], 1.0, (), "unknown", 0.6),
+        (CHANCES, [effect_with()], 0.95, (), "named", 0.95),
+        (CHANCES, [effect_with()], 0.5, (), "undecided", 0.5),
+        (CHANCES, [effect_with(measuring=True)], 0.0, (), "no-gap", 1.0),
+        (CHANCES, [effect_with(measuring=True)], 0.5, (), "undecided", 0.5),
+        (CHANCES, [effect_with(measuring=True)], 0.95, (), "named", 0.95),
         ({"unknown": 0.6, "viscous": 0.4}, [], 0.05, (), "no-gap", 0.95),
         ({"a": 0.5, "b": 0.45, "none": 0.05}, [], 0.95, (("a", "b"),), "unseparated", 0.95),
         ({"none": 0.9, "a": 0.1}, [], 0.04, (), "no-gap", 0.96),
@@ -71,12 +73,12 @@ def test_data_that_could_not_have_shown_a_gap_show_none():
     assert decide(chances, [], 0.0, (), none_before=0.6, shown=False) == ("undecided", 0.6)
     assert decide(chances, [], 0.0, (), none_before=0.6) == ("no-gap", 1.0)
     # Where a gap is there, data have shown one.
-    assert decide(parsed(CHANCES), [known()], 0.95, (), shown=False)[0] == "named"
+    assert decide(parsed(CHANCES), [effect_with()], 0.95, (), shown=False)[0] == "named"
 
 
 def test_an_error_of_sensors_that_makes_no_gap_is_present():
     """Magnets 0.05 mm off: felt in every reading, and no part of a gap."""
-    magnets = known("magnet-spacing", measuring=True, above=0.0, strength=0.01)
+    magnets = effect_with("magnet-spacing", measuring=True, above=0.0, strength=0.01)
     assert sort_effects([magnets], 0.0) == ([], ["magnet-spacing"], [])
     assert sort_effects([magnets], 0.05) == ([], ["magnet-spacing"], [])
     assert sort_effects([magnets], 0.5) == (["magnet-spacing"], [], [])
@@ -84,12 +86,12 @@ def test_an_error_of_sensors_that_makes_no_gap_is_present():
 
 def test_effects_of_which_one_acts():
     chances = parsed({"a": 0.5, "b": 0.43, "none": 0.07})
-    rivals = [known("a", 0.5), known("b", 0.43), known("c", 0.0)]
+    rivals = [effect_with("a", 0.5), effect_with("b", 0.43), effect_with("c", 0.0)]
     assert sets_of_one(chances, rivals, []) == (("a", "b"),)
     assert sets_of_one(parsed({"a": 0.5, "none": 0.5}), rivals[:1], []) == ()
 
 
-def told(verdict, gap, share, causes=(), **more):
+def in_words(verdict, gap, share, causes=(), **more):
     """Return a verdict of probability 0.97 in words."""
     return sentence_of(Statement(verdict, 0.97, gap, share, causes, **more))
 
@@ -102,21 +104,21 @@ def test_a_cause_without_a_sure_gap_is_in_the_sentence(verdict):
     gap = gap.model_copy(update={"systematic": open_still})
 
     def sentence(causes):
-        return told(verdict, gap, 0.02, causes)
+        return in_words(verdict, gap, 0.02, causes)
 
     assert "viscous acts" in sentence([cause("viscous")])
     assert "acts" not in sentence([])
     assert ("no cause is sure" in sentence([])) == (verdict == "undecided")
     assert "no cause is sure" not in sentence([cause("viscous")])
     # One that acts, and is each less than what counts, is in it too.
-    weak = told(verdict, gap, 0.02, present=[cause("cogging", strength=0.01)])
+    weak = in_words(verdict, gap, 0.02, present=[cause("cogging", strength=0.01)])
     assert "cogging acts" in weak
     assert "no cause is sure" not in weak
 
 
 def test_a_gap_that_is_less_likely_than_not_is_not_said_to_be_there():
     gap = diagnosis().gap.model_copy(update={"probability_above_practical": 0.25})
-    said = told("undecided", gap, 0.02, open_because="few windows")
+    said = in_words("undecided", gap, 0.02, open_because="few windows")
     assert "stays open (its probability is 0.25): few windows" in said
     assert "There is a gap" not in said
 
@@ -124,13 +126,13 @@ def test_a_gap_that_is_less_likely_than_not_is_not_said_to_be_there():
 def test_a_gap_that_is_surely_there_is_not_said_to_be_open():
     gap = diagnosis().gap
     share = gap.systematic.q05 / gap.friction_rms
-    there = told("undecided", gap, 0.9 * share)
+    there = in_words("undecided", gap, 0.9 * share)
     assert "(probability 0.970); its cause stays open" in there
-    assert "The gap is 0.049 N rms, " in told("undecided", gap, 1.1 * share)
+    assert "The gap is 0.049 N rms, " in in_words("undecided", gap, 1.1 * share)
     both = [cause("viscous"), cause("stribeck")]
-    together = told("undecided", gap, 0.9 * share, present=both)
+    together = in_words("undecided", gap, 0.9 * share, present=both)
     assert together.endswith(f"; viscous and stribeck act, each less than {0.9 * share:.1%}.")
-    alone = told("undecided", gap, 0.9 * share, present=both[:1])
+    alone = in_words("undecided", gap, 0.9 * share, present=both[:1])
     assert f"viscous acts, less than {0.9 * share:.1%}; what else causes it stays open." in alone
 
 
@@ -141,7 +143,7 @@ def test_an_undecided_gap_is_told_in_full_before_what_is_open():
         update={"q05": 0.0198 * 2.13, "q50": 0.02 * 2.13, "q95": 0.0202 * 2.13}
     )
     about = gap.model_copy(update={"systematic": systematic, "friction_rms": 2.13})
-    assert told("undecided", about, 0.02, [cause("viscous")]) == (
+    assert in_words("undecided", about, 0.02, [cause("viscous")]) == (
         "The gap is 0.043 N rms, 2.0% of friction (1.98 to 2.02%); viscous acts; whether the gap "
         "is above 2.0% of friction stays open."
     )
@@ -151,7 +153,7 @@ def test_a_gap_of_nothing_has_no_figure():
     gap = diagnosis().gap
     nothing = gap.systematic.model_copy(update={"q50": 1e-19})
     gap = gap.model_copy(update={"systematic": nothing})
-    assert told("no-gap", gap, 0.02).endswith(
+    assert in_words("no-gap", gap, 0.02).endswith(
         "the median of the gap is less than 0.1% of friction."
     )
 
@@ -161,7 +163,7 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
     share = gap.systematic.q50 / gap.friction_rms
 
     def sentence(practical):
-        return told("unknown", gap, practical)
+        return in_words("unknown", gap, practical)
 
     small = sentence(1.1 * share)
     assert small.startswith("A force acts that none of the effects examined explains (probability ")
@@ -174,7 +176,7 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
 
 
 def test_no_gap_says_how_much_was_recorded():
-    said = told("no-gap", diagnosis().gap, 0.1, recorded="60 windows, each a mean")
+    said = in_words("no-gap", diagnosis().gap, 0.1, recorded="60 windows, each a mean")
     assert said.endswith("% of friction). This rests on 60 windows, each a mean.")
 
 
@@ -194,13 +196,13 @@ def test_a_window_is_what_the_rig_records(trial, words):
 def test_a_gap_of_sensors_alone_is_told_as_none():
     gap = diagnosis().gap
     magnets = cause("magnet-spacing", strength=0.05, makes_a_gap=False)
-    sentence = told("no-gap", gap, 0.02, present=[magnets])
+    sentence = in_words("no-gap", gap, 0.02, present=[magnets])
     assert sentence.endswith(" magnet-spacing acts, which makes no gap.")
 
 
 def test_what_data_could_not_have_shown_is_said():
     why = "1 window of motion for 2 numbers of the law, and 6 are needed"
-    sentence = told("undecided", diagnosis().gap, 0.02, not_shown=why)
+    sentence = in_words("undecided", diagnosis().gap, 0.02, not_shown=why)
     assert sentence == f"These data could not have shown a gap of 2.0% of friction: {why}."
 
 
@@ -209,10 +211,10 @@ def test_no_share_is_told_of_friction_that_may_be_nothing():
     why = "friction is within its error of zero, 0.001 ± 0.01 N"
     gap = diagnosis().gap.model_copy(update={"friction_rms": 1e-7, "no_share": why})
     for verdict in ("no-gap", "undecided", "unknown", "unseparated", "named"):
-        sentence = told(verdict, gap, 0.02, [cause("viscous")] if verdict == "named" else ())
+        sentence = in_words(verdict, gap, 0.02, [cause("viscous")] if verdict == "named" else ())
         assert "0.049 N rms" in sentence or verdict == "undecided"
         assert "% of friction" not in sentence
-    assert why in told("no-gap", gap, 0.02)
+    assert why in in_words("no-gap", gap, 0.02)
 
 
 def test_the_sentence_says_what_data_held_out_say():
@@ -273,7 +275,7 @@ def test_an_implausible_effect_is_rejected_by_its_figures():
     """Its size and the plausible range are in the sentence, and how near it comes."""
     drag = cause("air-drag", plausible=False, plausible_range=(0.0, 0.05))
     why = f"air-drag would be {IMPLAUSIBLE}, and a force that no effect explains is left"
-    said = told("unknown", diagnosis().gap, 0.02, considered=[drag], overruled_by=why)
+    said = in_words("unknown", diagnosis().gap, 0.02, considered=[drag], overruled_by=why)
     assert said.endswith(
         "that none of the effects examined explains (probability 0.970). The closest effect "
         "examined is air-drag, but the slope of air-drag is 0.123 s/m, outside of the plausible 0 "
@@ -288,7 +290,7 @@ def test_a_larger_gap_on_held_out_data_stands_beside_the_smaller_of_the_fit(verd
     gap = diagnosis().gap
     for excess, is_said in ((0.4, True), (0.04, False)):
         held_out = gap.model_copy(update={"held_out_excess": excess})
-        sentence = told(verdict, held_out, 0.02, open_because="the joint reverses once")
+        sentence = in_words(verdict, held_out, 0.02, open_because="the joint reverses once")
         both = "in the data of the fit, and of 0.4 N rms in data that it has not seen"
         assert (both in sentence) == is_said, sentence
 
@@ -307,7 +309,7 @@ def test_a_sentence_names_an_axis_where_it_leads_and_nowhere_else(verdict):
     gap, causes = diagnosis().gap, [cause("viscous")] if verdict == "named" else ()
 
     def said(where):
-        return told(verdict, gap, 0.02, causes, where=where)
+        return in_words(verdict, gap, 0.02, causes, where=where)
 
     lies = "It varies most with velocity."
     assert lies in said(placed(0.6, 0.1, leads=True))
@@ -318,10 +320,10 @@ def test_a_sentence_names_an_axis_where_it_leads_and_nowhere_else(verdict):
 def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
     rivals = (Unseparated(effects=("air-drag", "stribeck"), reason="these-data"),)
     gap = diagnosis().gap
-    both = told("named", gap, 0.02, [cause("viscous")], unseparated=rivals)
+    both = in_words("named", gap, 0.02, [cause("viscous")], unseparated=rivals)
     assert both.startswith("viscous acts (probability 0.970).")
     assert both.endswith("One of air-drag, stribeck acts beside it; these data cannot tell which.")
-    assert "One of" not in told("named", gap, 0.02, [cause("viscous")])
+    assert "One of" not in in_words("named", gap, 0.02, [cause("viscous")])
 
 
 @pytest.mark.parametrize(
@@ -334,7 +336,7 @@ def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
 def test_a_shrink_is_never_told_as_all_of_the_gap(low, words):
     shrink = Interval(mean=0.99, sd=0.01, q05=low, q50=max(low, 0.99), q95=max(low, 0.995))
     gap = diagnosis().gap.model_copy(update={"shrink_of_model": shrink})
-    assert words in told("named", gap, 0.02, [cause("viscous")])
+    assert words in in_words("named", gap, 0.02, [cause("viscous")])
 
 
 @pytest.mark.parametrize(
@@ -372,16 +374,16 @@ def test_a_remainder_is_all_that_causes_leave(monkeypatch, left, beside, share, 
     def smooth(share, axis):
         return Unknown((Wide(share, axis),), np.zeros(1), 30.0, AT, Acting())
 
-    def unknown_force(model, found, *rest):
-        instead = found.form.size == 0
+    def unknown_force(model, weighed, *rest):
+        instead = weighed.form.size == 0
         return smooth(gap, "velocity") if instead else smooth(np.sqrt(beside) * gap, "travel")
 
     monkeypatch.setattr(remainder, "unknown_force", unknown_force)
     model = SimpleNamespace(analysis=Analysis(), evaluate=lambda *_: SimpleNamespace(value=0.0))
     model.reweighted, model.weight_volume = lambda *_: model, 0.0  # its scatter is normal
-    found = Weighed(("viscous",), 0.0, None, Acting(), AT, form=FormShare(0.1))
+    weighed = Weighed(("viscous",), 0.0, None, Acting(), AT, form=FormShare(0.1))
     draws = None if left is None else left + np.linspace(-0.01, 0.01, 201)
-    left_over = remainder_of(model, SimpleNamespace(inverse=None, volume=0.0), found, gap, draws)
+    left_over = remainder_of(model, SimpleNamespace(inverse=None, volume=0.0), weighed, gap, draws)
     assert left_over.significant
     assert left_over.axis == axis
     assert left_over.share_of_gap.q50 == pytest.approx(share, abs=1e-3)
@@ -390,15 +392,15 @@ def test_a_remainder_is_all_that_causes_leave(monkeypatch, left, beside, share, 
 def test_a_remainder_without_evidence_is_not_significant(monkeypatch):
     """Laws that are wrong by a share leave a third of the gap, at a log10 factor of -2.4."""
 
-    def unknown_force(model, found, *rest):
+    def unknown_force(model, weighed, *rest):
         return Unknown((Wide(0.05, "velocity"),), np.zeros(1), -2.4 * np.log(10), AT, Acting())
 
     monkeypatch.setattr(remainder, "unknown_force", unknown_force)
     model = SimpleNamespace(analysis=Analysis(), evaluate=lambda *_: SimpleNamespace(value=0.0))
     model.reweighted, model.weight_volume = lambda *_: model, 0.0  # its scatter is normal
-    found = Weighed(("viscous",), 0.0, None, Acting(), AT, form=FormShare(0.1))
+    weighed = Weighed(("viscous",), 0.0, None, Acting(), AT, form=FormShare(0.1))
     draws = 0.31 + np.linspace(-0.01, 0.01, 201)
-    left_over = remainder_of(model, SimpleNamespace(inverse=None, volume=0.0), found, 0.07, draws)
+    left_over = remainder_of(model, SimpleNamespace(inverse=None, volume=0.0), weighed, 0.07, draws)
     assert not left_over.significant
     assert left_over.log10_bayes_factor == pytest.approx(-2.4)
     assert left_over.share_of_gap is None

@@ -46,9 +46,9 @@ def test_a_nested_effect_loses_no_more_than_its_own_width():
             if is_positive(model.candidates[place].effect.amplitude.prior):
                 factor += np.log(2) + norm.logcdf(z)
             least.append(factor)
-        one = weigh(model, (name,), [none.at.psi], inverse, 0.0)
-        assert one.log_evidence - none.log_evidence > min(least) - 0.1, name
-        assert not one.bound, name
+        weighed = weigh(model, (name,), [none.at.psi], inverse, 0.0)
+        assert weighed.log_evidence - none.log_evidence > min(least) - 0.1, name
+        assert not weighed.bound, name
 
 
 def test_an_effect_of_phases_that_is_not_there_gains_nothing_beside_one_of_another_form():
@@ -63,20 +63,20 @@ def test_an_effect_of_phases_that_is_not_there_gains_nothing_beside_one_of_anoth
     truth = Truth(effects=[AppliedEffect(foreign, name, {effect.amplitude.name: 1.0})])
     recording = simulate_recording(SMALL, seed=5, rigs=("gravity",), truth=truth)
     names = ("runout", "viscous")
-    candidates = [one for name in names for one in candidates_of(all_effects()[name])]
+    candidates = [candidate for name in names for candidate in candidates_of(all_effects()[name])]
     first = LinearModel(data_of(recording), table1_coefficients(), candidates, Analysis())
     at = climb(first, first.noise.start, Acting())
     inverse = np.linalg.inv(curvature_at(first, at, Acting()))
-    known = weigh(first, ("viscous",), [at.psi], inverse, 0.0)
-    acting = first.amplitudes(known.at, known.acting)
+    viscous = weigh(first, ("viscous",), [at.psi], inverse, 0.0)
+    acting = first.amplitudes(viscous.at, viscous.acting)
     forms = other_forms([rig.rows for rig in first.rigs], acting)
-    model = first.around(first.fitted_laws(known.at), candidates, scattering=acting, forms=forms)
+    model = first.around(first.fitted_laws(viscous.at), candidates, scattering=acting, forms=forms)
     alone, both = (
-        weigh(model, names, [known.at.psi], inverse, 0.0, forms=FORM_SHARES)
+        weigh(model, names, [viscous.at.psi], inverse, 0.0, forms=FORM_SHARES)
         for names in (("viscous",), ("viscous", "runout"))
     )
     assert alone.form.size > 0
-    assert alone.log_evidence > known.log_evidence
+    assert alone.log_evidence > viscous.log_evidence
     assert both.log_evidence < alone.log_evidence + 0.1
     # Steps along its log amplitude are measured from here.
     at_own_form = model.evaluate(both.at.psi, both.acting, None, both.forms)
@@ -99,10 +99,10 @@ def test_a_drift_of_another_form_is_no_unknown_force_along_order(law):
     at = climb(model, model.noise.start, Acting())
     inverse = np.linalg.inv(curvature_at(model, at, Acting()))
     none = weigh(model, (), [at.psi], inverse, 0.0)
-    known = weigh(model, ("wear-drift",), [at.psi, model.noise.quiet(at.psi)], inverse, 0.0)
-    unknown = unknown_force(model, none, Acting(), inverse, 0.0, [known.at.psi])
+    drift = weigh(model, ("wear-drift",), [at.psi, model.noise.quiet(at.psi)], inverse, 0.0)
+    unknown = unknown_force(model, none, Acting(), inverse, 0.0, [drift.at.psi])
     assert unknown.best.axis == "order"
-    assert known.log_evidence > unknown.log_evidence + 3
+    assert drift.log_evidence > unknown.log_evidence + 3
 
 
 def test_a_law_of_speed_that_nobody_named_is_not_put_together_from_two_effects():
@@ -112,7 +112,7 @@ def test_a_law_of_speed_that_nobody_named_is_not_put_together_from_two_effects()
     truth = Truth(effects=[AppliedEffect(replace(effect, laws=law), "decades", {"k": 0.05})])
     recording = simulate_recording(SMALL, seed=5, rigs=("gravity",), truth=truth)
     names = ("stribeck", "viscous")
-    candidates = [one for name in names for one in candidates_of(all_effects()[name])]
+    candidates = [candidate for name in names for candidate in candidates_of(all_effects()[name])]
     model = LinearModel(data_of(recording), table1_coefficients(), candidates, Analysis())
     at = climb(model, model.noise.start, Acting())
     inverse = np.linalg.inv(curvature_at(model, at, Acting()))
@@ -136,18 +136,18 @@ def test_a_stribeck_curve_of_another_form_is_no_unknown_force_along_speed():
     at = climb(first, first.noise.start, Acting())
     inverse = np.linalg.inv(curvature_at(first, at, Acting()))
     starts = [at.psi, first.noise.quiet(at.psi)]
-    known = weigh(first, ("stribeck",), starts, inverse, 0.0)
-    acting = first.amplitudes(known.at, known.acting)
+    stribeck = weigh(first, ("stribeck",), starts, inverse, 0.0)
+    acting = first.amplitudes(stribeck.at, stribeck.acting)
     forms = other_forms([rig.rows for rig in first.rigs], acting)
-    model = first.around(first.fitted_laws(known.at), candidates, scattering=acting, forms=forms)
+    model = first.around(first.fitted_laws(stribeck.at), candidates, scattering=acting, forms=forms)
     every, both = (
-        weigh(model, ("stribeck",), [known.at.psi], inverse, 0.0, forms=shares)
-        for shares in ([one for one in FORM_SHARES if one.axis is None], FORM_SHARES)
+        weigh(model, ("stribeck",), [stribeck.at.psi], inverse, 0.0, forms=shares)
+        for shares in ([share for share in FORM_SHARES if share.axis is None], FORM_SHARES)
     )
     assert both.form.axis == "speed_m_s"
     assert both.log_evidence > every.log_evidence + 2
     none = weigh(model, (), starts, inverse, 0.0)
-    unknown = unknown_force(model, none, Acting(), inverse, 0.0, [known.at.psi])
+    unknown = unknown_force(model, none, Acting(), inverse, 0.0, [stribeck.at.psi])
     assert (unknown.best.axis, unknown.best.alike) == ("velocity", True)
     assert both.log_evidence > unknown.log_evidence + 5
 
@@ -188,16 +188,16 @@ def test_draws_say_how_far_the_closed_form_is_off(skew):
     """Against quadrature, for a normal density and for one with a heavy side."""
     model = Density(skew)
     at = model.evaluate(np.zeros(2), Acting(), None, None)
-    one = Weighed((), 0.0, curvature_at(model, at, Acting()), Acting(), at)
+    weighed = Weighed((), 0.0, curvature_at(model, at, Acting()), Acting(), at)
     own = log_volume(np.diag([16.0, 10.0 + skew]))
-    assert one.volume == pytest.approx(own, abs=2e-3)
-    found = noise_checked(model, Volume(0.0), one, np.random.default_rng(7))
+    assert weighed.volume == pytest.approx(own, abs=2e-3)
+    check = noise_checked(model, Volume(0.0), weighed, np.random.default_rng(7))
     normal = 0.5 * np.log(2 * np.pi / 16)
     truth = np.log(quad(lambda s: np.exp(-5 * s**2 - skew * (np.exp(s) - s)), -5, 3)[0])
     off = normal + truth - own - at.value
-    assert abs(found.off - off) < 4 * found.error
-    assert 0 < found.error < 0.3
-    assert found.pareto_k < 0.7
+    assert abs(check.off - off) < 4 * check.error
+    assert 0 < check.error < 0.3
+    assert check.pareto_k < 0.7
 
 
 def test_the_error_of_a_factor_is_of_both_and_null_where_draws_settle_nothing():

@@ -82,13 +82,13 @@ KINDS = {
 
 def drawn_of(kind):
     """Return small plans of a kind, always the same."""
-    found = []
+    drawn = []
 
     @ONE
     @seed(list(KINDS).index(kind))
     @given(plans=KINDS[kind])
     def draw(plans):
-        found.append(plans)
+        drawn.append(plans)
 
     draw()
-    return tuple(map(small, found[-1]))
+    return tuple(map(small, drawn[-1]))

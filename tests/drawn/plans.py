@@ -49,12 +49,12 @@ class Board:
     def tables(self):
         """Return fields of a recording."""
         rng, whole = np.random.default_rng(self.seed), simulated(self.seed % BOARDS)
-        found = {"rig": whole.rig}
+        parts = {"rig": whole.rig}
         if self.trials:
-            found["gravity"] = self._gravity(whole.gravity, rng)
+            parts["gravity"] = self._gravity(whole.gravity, rng)
         if self.runs:
-            found["motor"] = Motor(self._some(whole.motor.runs, self.runs, rng), whole.motor.idle)
-        return found
+            parts["motor"] = Motor(self._some(whole.motor.runs, self.runs, rng), whole.motor.idle)
+        return parts
 
     def _some(self, table, count, rng):
         """Return rows of a table, with names, roles and columns as planned."""
@@ -62,13 +62,15 @@ class Board:
         kept = table["setup"].isin(rng.permutation(setups)[: self.setups])
         rows = np.flatnonzero(kept)
         rows = np.sort(rng.permutation(rows)[:count])
-        found = table.iloc[rows].reset_index(drop=True)
+        rows_taken = table.iloc[rows].reset_index(drop=True)
         if self.tested:
-            role = np.where(rng.random(len(found)) < self.tested, "test", "calibrate")
-            found["role"] = role
-        again = dict(zip(found["setup"].unique(), self.names.of(len(setups), "s"), strict=False))
-        found["setup"] = found["setup"].map(again)
-        return found.drop(columns=[name for name in self.dropped if name in found])
+            role = np.where(rng.random(len(rows_taken)) < self.tested, "test", "calibrate")
+            rows_taken["role"] = role
+        again = dict(
+            zip(rows_taken["setup"].unique(), self.names.of(len(setups), "s"), strict=False)
+        )
+        rows_taken["setup"] = rows_taken["setup"].map(again)
+        return rows_taken.drop(columns=[name for name in self.dropped if name in rows_taken])
 
     def _gravity(self, gravity, rng):
         trials = self._some(gravity.trials, self.trials, rng)
@@ -138,7 +140,11 @@ class Points:
         for name in self.covariates:
             table[name] = spread * rng.uniform(0, 2, count)
         if "setup" in table:  # an assembly has one condition
-            size = [one for one in ("pulley_size", "n_pulleys", "wrap_angle_deg") if one in table]
+            size = [
+                column
+                for column in ("pulley_size", "n_pulleys", "wrap_angle_deg")
+                if column in table
+            ]
             for name in size:
                 table[name] = table.groupby("setup")[name].transform("first")
         return {"steady": table.assign(friction_n=friction), "rig": RigConstants()}

@@ -19,9 +19,9 @@ NIGHTLY = settings(
 VERBS = ("fit", "diagnose")
 
 
-def said(found):
+def said(answers):
     """Tell Hypothesis' statistics what came of a recording."""
-    for verb, answer in found.items():
+    for verb, answer in answers.items():
         event(f"{verb}: {answer if answer == 'answered' else 'refused'}")
 
 
@@ -44,11 +44,11 @@ KINDS_ALIKE = (
 def test_a_recording_of_each_kind_comes_to_an_answer_or_a_reason(kind):
     plans, number = drawn_of(kind), list(KINDS).index(kind)
     try:
-        found = answered(recording_of(*plans), (VERBS[number % 2],), report=number % 10 == 0)
+        answers = answered(recording_of(*plans), (VERBS[number % 2],), report=number % 10 == 0)
     except Exception as error:
         error.add_note(f"of recording_of(*{plans})")
         raise
-    assert found
+    assert answers
 
 
 def test_there_are_thirty_kinds():
@@ -136,7 +136,7 @@ def test_five_hundred_recordings_come_to_an_answer_or_a_reason(part):
     @NIGHTLY
     @seed(part)
     @given(plans=PLANS)
-    def each(plans):
+    def drawn_recording(plans):
         said(answered(recording_of(*plans)))
 
-    each()
+    drawn_recording()

@@ -30,15 +30,15 @@ def faults_are_told(record):
     A diagnosis that contradicts itself says so, and its verdict is no finding; of any other
     result all checks hold.
     """
-    found = identified(record)
-    faults = broken(check_record(found.model_dump(mode="json", by_alias=True)))
-    if not isinstance(found, DiagnosisFile):
+    result = identified(record)
+    faults = broken(check_record(result.model_dump(mode="json", by_alias=True)))
+    if not isinstance(result, DiagnosisFile):
         assert not faults, faults
-        return found
-    for fault in (*faults, *broken(found.checks)):
-        assert any(line.endswith(fault) for line in found.attention), fault
-        assert found.verdict not in ("named", "no-gap"), fault
-    return found
+        return result
+    for fault in (*faults, *broken(result.checks)):
+        assert any(line.endswith(fault) for line in result.attention), fault
+        assert result.verdict not in ("named", "no-gap"), fault
+    return result
 
 
 @contextmanager
@@ -73,15 +73,15 @@ def answered(recording, verbs=tuple(VERBS), *, report=True):
             return {"read": str(error)}
         describe_recording(read)
         left_out(read)
-        found = {}
+        answers = {}
         for verb in verbs:
             try:
                 with odd_recordings():
                     result = VERBS[verb](read, ANALYSIS)
                 result.write(folder / "results")
-                found[verb] = "answered"
+                answers[verb] = "answered"
             except InputError as error:
-                found[verb] = str(error)
-        if report and "answered" in found.values():
+                answers[verb] = str(error)
+        if report and "answered" in answers.values():
             write_report(folder / "results")
-        return found
+        return answers

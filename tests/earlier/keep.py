@@ -50,7 +50,7 @@ def tell(results):
     for name in ("c1", "c2", "c3"):
         number = read["fit"]["pulleys"]["medium"][name]
         sys.stdout.write(f'"{name}": ({number["mean"]}, {number["sd"]}),\n')
-    claims = [one["id"] for one in read["claims"]["claims"] if one["verdict"] == "supported"]
+    claims = [claim["id"] for claim in read["claims"]["claims"] if claim["verdict"] == "supported"]
     sys.stdout.write(f'"supported": {json.dumps(claims)},\n')
 
 

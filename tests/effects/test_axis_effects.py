@@ -80,5 +80,5 @@ def test_a_board_feels_nothing_of_it(name):
     """A board offers no direction, no drive force and no test runs: nothing acts there."""
     board = State(9.0, 85.0, 15.0, 0.4, 1.0, 0.5, 0.1, travel_m=0.3)
     for law in EFFECTS[name].laws.values():
-        values = {one.name: 0.5 for one in EFFECTS[name].parameters}
+        values = {parameter.name: 0.5 for parameter in EFFECTS[name].parameters}
         assert not np.any(law(values, board))

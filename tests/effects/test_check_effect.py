@@ -29,7 +29,7 @@ def with_amplitude(**changes):
 
 
 @pytest.mark.parametrize(
-    ("effect", "told"),
+    ("effect", "reason"),
     [
         (with_law(lambda p, s: p["slope"] * s.speed_m_s + 0.1), "still is 0.1, not 0"),
         (with_law(lambda p, s: p["slope"] ** 2 * s.speed_m_s), "not linear in slope"),
@@ -59,8 +59,8 @@ def with_amplitude(**changes):
         ),
     ],
 )
-def test_a_fault_is_named(effect, told):
-    with np.errstate(divide="ignore", invalid="ignore"), pytest.raises(EffectError, match=told):
+def test_a_fault_is_named(effect, reason):
+    with np.errstate(divide="ignore", invalid="ignore"), pytest.raises(EffectError, match=reason):
         check_effect(effect)
 
 

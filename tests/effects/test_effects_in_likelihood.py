@@ -162,18 +162,20 @@ def test_viscous_trial_against_a_dense_normal():
         effects=[ActiveEffect(all_effects()["viscous"], "constant")],
     )
     for row in trials.itertuples():
-        here = events[events["trial"] == row.trial]
-        tau = (here["time_s"] - here["time_s"].min()).to_numpy()
-        drive = (here["sensor"] == "drive").to_numpy(dtype=float)
+        of_trial = events[events["trial"] == row.trial]
+        tau = (of_trial["time_s"] - of_trial["time_s"].min()).to_numpy()
+        drive = (of_trial["sensor"] == "drive").to_numpy(dtype=float)
         columns = np.stack([drive, 1 - drive, tau, tau**2 / 2], axis=1)
         fit = np.linalg.lstsq(
-            columns * [-1, -1, 1, 1], here["displacement_m"].to_numpy(), rcond=None
+            columns * [-1, -1, 1, 1], of_trial["displacement_m"].to_numpy(), rcond=None
         )[0]
-        one = Condition(9, 85.0, row.mass_drive_kg, row.mass_load_kg, recording.rig.gravity_m_s2)
+        condition = Condition(
+            9, 85.0, row.mass_drive_kg, row.mass_load_kg, recording.rig.gravity_m_s2
+        )
 
-        def travel(factor, speed, time=tau, one=one):
+        def travel(factor, speed, time=tau, condition=condition):
             motion = damped_trajectory(
-                law, one, start_speed_m_s=speed, viscous_n_s_m=drag, friction_factor=factor
+                law, condition, start_speed_m_s=speed, viscous_n_s_m=drag, friction_factor=factor
             )
             return motion.position(time)
 
@@ -183,7 +185,7 @@ def test_viscous_trial_against_a_dense_normal():
         by_speed = (travel(1.0, fit[2] + step) - travel(1.0, fit[2] - step)) / (2 * step)
         by_scatter = (travel(1 + step, fit[2]) - travel(1 - step, fit[2])) / (2 * step)
         means.append(centre)
-        rows.append((here, tau, drive, by_speed, by_scatter))
+        rows.append((of_trial, tau, drive, by_speed, by_scatter))
         speeds.append((fit[2] + fit[3] * tau, fit[2]))
     total = sum(len(mean) for mean in means)
     covariance = np.zeros((total, total))
@@ -191,7 +193,7 @@ def test_viscous_trial_against_a_dense_normal():
     eta = np.zeros(total)
     residual, log_jacobian, log_flat = [], 0.0, 0.0
     wide = 1.0  # m and m/s: flat, beside offsets of 1e-4
-    for mean, (here, tau, drive, by_speed, by_scatter), (speed, first) in zip(
+    for mean, (of_trial, tau, drive, by_speed, by_scatter), (speed, first) in zip(
         means, rows, speeds, strict=True
     ):
         own = slice(start, start + len(tau))
@@ -203,7 +205,7 @@ def test_viscous_trial_against_a_dense_normal():
         block += clock_sd_s(recording.rig) ** 2 * np.outer(late, late)
         covariance[own, own] = block
         eta[own] = by_scatter
-        residual.append(here["displacement_m"].to_numpy() - mean)
+        residual.append(of_trial["displacement_m"].to_numpy() - mean)
         log_jacobian += np.log(speed).sum()
         # Flat: density 1/spacing of an offset, half-normal of the speed at the pilot's.
         log_flat += 3 * np.log(wide * np.sqrt(2 * np.pi)) - 2 * np.log(0.0098)
@@ -213,8 +215,8 @@ def test_viscous_trial_against_a_dense_normal():
     white = np.linalg.solve(factor := np.linalg.cholesky(covariance), np.concatenate(residual))
     dense = -0.5 * (white**2 + np.log(2 * np.pi)).sum() - np.log(np.diag(factor)).sum()
     point = truth_point() | {"viscous.slope": np.array([slope])}
-    found = likelihood.log_likelihood(point)[0]
-    assert found == pytest.approx(dense + log_jacobian + log_flat, abs=0.1)
+    log_likelihood = likelihood.log_likelihood(point)[0]
+    assert log_likelihood == pytest.approx(dense + log_jacobian + log_flat, abs=0.1)
 
 
 @pytest.mark.nightly
@@ -230,12 +232,12 @@ def test_a_simulated_effect_is_found_at_its_amplitude(name, law):
     if name not in OF_THE_WHOLE:
         recording = one_size(recording, "medium")
     model = Model(likelihoods(recording, [ActiveEffect(effect, law)]))
-    found = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     truth = dict(applied.values)
     for parameter in effect.parameters:
         place = model.names.index(f"{name}.{parameter.name}")
-        sd = np.sqrt(found.covariance[place, place])
-        point = found.mode.copy()
+        sd = np.sqrt(laplace.covariance[place, place])
+        point = laplace.mode.copy()
         values = np.array([model.natural(point)[place]])
         point[place] += sd
         width = abs(model.natural(point)[place] - values[0])

@@ -107,16 +107,16 @@ def acceleration(added, x, v):
 
 @pytest.mark.parametrize(("name", "law", "values", "phases", "added"), CASES)
 def test_a_trial_moves_as_another_integrator_says(name, law, values, phases, added):
-    one = np.ones(1)
+    ones = np.ones(1)
     effect = PhasedEffect(
         AppliedEffect(all_effects()[name], law, values), phases and np.array(phases)
     )
     motion = trial_motion(
-        Coefficients(C1 * one, C2 * one, C3 * one),
-        Condition(N * one, WRAP * one, DRIVE * one, LOAD * one, G),
-        FACTOR * one,
+        Coefficients(C1 * ones, C2 * ones, C3 * ones),
+        Condition(N * ones, WRAP * ones, DRIVE * ones, LOAD * ones, G),
+        FACTOR * ones,
         [effect],
-        {"radius_m": RADIUS * one, "order": one, "gravity_m_s2": G},
+        {"radius_m": RADIUS * ones, "order": ones, "gravity_m_s2": G},
         0.62,
     )
     crossings = [lambda t, y, place=place: y[0] - place for place in PLACES]
@@ -131,7 +131,7 @@ def test_a_trial_moves_as_another_integrator_says(name, law, values, phases, add
         max_step=0.05,
     )
     assert other.success
-    expected = [found[0] for found in other.t_events[:-1]]
+    expected = [times[0] for times in other.t_events[:-1]]
     assert motion.time_at(PLACES[None])[0] == pytest.approx(expected, abs=1e-7)
     assert end(0, other.y[:, -1]) > 0
     # And the effect is no trifle: it moves the end by far more than that.
@@ -141,20 +141,22 @@ def test_a_trial_moves_as_another_integrator_says(name, law, values, phases, add
 
 def by_parabola(recording, rows):
     """Friction of whole trials from their own events."""
-    found = []
+    forces = []
     for row in rows.itertuples():
         events = recording.gravity.events
-        here = events[(events["trial"] == row.trial) & (events["sensor"] == "drive")]
-        fit = np.polynomial.Polynomial.fit(here["time_s"], here["displacement_m"], 2)
+        events_of_trial = events[(events["trial"] == row.trial) & (events["sensor"] == "drive")]
+        fit = np.polynomial.Polynomial.fit(
+            events_of_trial["time_s"], events_of_trial["displacement_m"], 2
+        )
         slope = fit.deriv(2)(0.0)
         total = row.mass_drive_kg + row.mass_load_kg
-        found.append((row.mass_drive_kg - row.mass_load_kg) * G - total * slope)
-    return np.array(found)
+        forces.append((row.mass_drive_kg - row.mass_load_kg) * G - total * slope)
+    return np.array(forces)
 
 
 def by_law(rows, grown):
     """Friction of the law times 1 + grown, its own tension solved for."""
-    found = []
+    forces = []
     for row, more in zip(rows.itertuples(), grown, strict=True):
         law = table1_coefficients()[row.pulley_size]
         k = row.n_pulleys * (law.c1 + law.c3 * (row.wrap_angle_deg - 85)) * (1 + more)
@@ -162,8 +164,8 @@ def by_law(rows, grown):
         half /= 2
         static = k * (total * G / 2 - half * 2 * half * G / total)
         static += row.n_pulleys * law.c2 * (1 + more)
-        found.append(static / (1 - k * half / total))
-    return np.array(found)
+        forces.append(static / (1 - k * half / total))
+    return np.array(forces)
 
 
 @pytest.mark.parametrize("rate", [0.0, -5.0, 3.0])
@@ -193,17 +195,17 @@ def test_small_pulleys_that_turn_fast_are_followed():
     Friction of the bearings alone, no tension in it: energy over the travel is in closed
     form, and time is its integral.
     """
-    one, radius, share, m1, m2 = np.ones(1), 3.8e-3, 0.5, 1.0, 0.8
-    law = Coefficients(0 * one, 0.02 * one, 0 * one)
+    ones, radius, share, m1, m2 = np.ones(1), 3.8e-3, 0.5, 1.0, 0.8
+    law = Coefficients(0 * ones, 0.02 * ones, 0 * ones)
     turning = PhasedEffect(
         AppliedEffect(all_effects()["runout"], "once", {"share": share}), np.array([[1.0], [0.0]])
     )
     motion = trial_motion(
         law,
-        Condition(N * one, 85.0 * one, m1 * one, m2 * one, G),
-        one,
+        Condition(N * ones, 85.0 * ones, m1 * ones, m2 * ones, G),
+        ones,
         [turning],
-        {"radius_m": radius * one, "order": one, "gravity_m_s2": G},
+        {"radius_m": radius * ones, "order": ones, "gravity_m_s2": G},
         0.62,
     )
     force, mass_kg = N * 0.02, m1 + m2
@@ -265,10 +267,10 @@ def test_a_motor_that_saturates_is_off_by_more_the_larger_its_load():
     law = AppliedEffect(all_effects()["torque-constant"], "saturating", {"error": 0.1})
     current = simulate_recording(ONE, seed=2, truth=truth, rigs=["motor"]).motor.runs["current_a"]
     bent = dataclasses.replace(truth, effects=(law,))
-    found = simulate_recording(ONE, seed=2, truth=bent, rigs=["motor"]).motor.runs["current_a"]
+    saturated = simulate_recording(ONE, seed=2, truth=bent, rigs=["motor"]).motor.runs["current_a"]
     expected = current / (1 + 0.1 * current.abs() / 4.0)
-    assert found.to_numpy() == pytest.approx(expected.to_numpy(), abs=2e-6)
-    assert (found - current).abs().max() > 0.01
+    assert saturated.to_numpy() == pytest.approx(expected.to_numpy(), abs=2e-6)
+    assert (saturated - current).abs().max() > 0.01
 
 
 def test_a_radius_of_the_users_own_counts():

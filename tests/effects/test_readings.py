@@ -24,8 +24,8 @@ PLACE = FIRST[:, :, None] + GRID
 
 
 def rigid():
-    each = [np.reshape(np.asarray(part), (-1, 1, 1)) for part in CONDITION]
-    return trajectory(Coefficients(*(c[:, None, None] for c in LAW)), Condition(*each))
+    parts = [np.reshape(np.asarray(part), (-1, 1, 1)) for part in CONDITION]
+    return trajectory(Coefficients(*(c[:, None, None] for c in LAW)), Condition(*parts))
 
 
 def rate():
@@ -41,15 +41,15 @@ def times(name, values, phases=None, motion=None):
 
 
 def test_a_longer_spacing_delays_in_proportion_to_travel():
-    found = times("length-scale", ("proportional", {"excess": 0.01}))
-    assert found == pytest.approx(np.sqrt(2 * (FIRST[:, :, None] + 1.01 * GRID) / rate()), rel=1e-9)
+    read = times("length-scale", ("proportional", {"excess": 0.01}))
+    assert read == pytest.approx(np.sqrt(2 * (FIRST[:, :, None] + 1.01 * GRID) / rate()), rel=1e-9)
 
 
 def test_slip_delays_the_load_end_alone():
-    found = times("slip", ("proportional", {"share": 0.02}))
-    assert found[:, 0] == pytest.approx(np.sqrt(2 * PLACE / rate())[:, 0], rel=1e-9)
+    read = times("slip", ("proportional", {"share": 0.02}))
+    assert read[:, 0] == pytest.approx(np.sqrt(2 * PLACE / rate())[:, 0], rel=1e-9)
     late = np.sqrt(2 * (FIRST[:, :, None] + 1.02 * GRID) / rate())
-    assert found[:, 1] == pytest.approx(late[:, 1], rel=1e-9)
+    assert read[:, 1] == pytest.approx(late[:, 1], rel=1e-9)
 
 
 def test_creep_is_slip_in_proportion_to_friction():
@@ -57,30 +57,30 @@ def test_creep_is_slip_in_proportion_to_friction():
     friction = (DRIVE - LOAD) * G - (DRIVE + LOAD) * rate()[:, 0, 0]
     assert friction == pytest.approx(9 * (0.004 * ((DRIVE + LOAD) * G - (DRIVE - LOAD)
                                      * rate()[:, 0, 0]) / 2 + 0.016))  # fmt: skip
-    found = times("slip", ("creep", {"share": 0.02}))
-    assert found[:, 0] == pytest.approx(np.sqrt(2 * PLACE / rate())[:, 0], rel=1e-9)
+    read = times("slip", ("creep", {"share": 0.02}))
+    assert read[:, 0] == pytest.approx(np.sqrt(2 * PLACE / rate())[:, 0], rel=1e-9)
     share = 1 + 0.02 * friction[:, None] / 2.0
     late = np.sqrt(2 * (FIRST[:, 1, None] + share * GRID) / rate()[:, 0])
-    assert found[:, 1] == pytest.approx(late, rel=1e-7)
+    assert read[:, 1] == pytest.approx(late, rel=1e-7)
 
 
 def test_a_slow_clock_reads_too_long_by_its_share():
     """To first order in 1e-4."""
-    found = times("clock-scale", ("proportional", {"excess": 1e-4}))
-    assert found == pytest.approx(1.0001 * np.sqrt(2 * PLACE / rate()), rel=2e-8)
+    read = times("clock-scale", ("proportional", {"excess": 1e-4}))
+    assert read == pytest.approx(1.0001 * np.sqrt(2 * PLACE / rate()), rel=2e-8)
 
 
 def test_any_five_magnets_are_four_waves():
     """Errors of five magnets, none on average, come back each revolution."""
     errors = np.array([3e-4, -1e-4, 2e-4, -5e-4, 1e-4])
     first_up = np.array([[0, 3], [1, 4]])  # which magnet came first
-    each = errors[(first_up[:, :, None] + np.arange(61)) % 5]
-    waves = np.fft.rfft(each[:, :, :5]) * 2 / 5
+    error = errors[(first_up[:, :, None] + np.arange(61)) % 5]
+    waves = np.fft.rfft(error[:, :, :5]) * 2 / 5
     parts = np.stack([waves[..., 1].real, -waves[..., 1].imag, waves[..., 2].real,
                       -waves[..., 2].imag])  # fmt: skip
     # An amplitude of σ means waves of σ/√2 each.
-    found = times("magnet-spacing", ("waves", {"error": 1e-3}), parts * np.sqrt(2) / 1e-3)
-    assert found == pytest.approx(np.sqrt(2 * (PLACE + each) / rate()), rel=1e-9)
+    read = times("magnet-spacing", ("waves", {"error": 1e-3}), parts * np.sqrt(2) / 1e-3)
+    assert read == pytest.approx(np.sqrt(2 * (PLACE + error) / rate()), rel=1e-9)
 
 
 def test_the_amplitude_of_magnets_is_the_rms_error_of_one():
@@ -98,7 +98,7 @@ def test_masses_ring_as_equation_3_says():
     """Two masses on a spring, integrated, their ends timed at each magnet."""
     stretch, stiffness, damping = 2e-6, 9000.0, 0.05
     values = {"stretch": stretch, "stiffness": stiffness}
-    found = times("cable-compliance", ("ringing", values))
+    read = times("cable-compliance", ("ringing", values))
     for trial in range(2):
         drive, load = DRIVE[trial], LOAD[trial]
         total = drive + load
@@ -118,7 +118,7 @@ def test_masses_ring_as_equation_3_says():
             move, (0, 3), start, "DOP853", rtol=1e-11, atol=1e-13, max_step=2e-3, dense_output=True
         )
         for sensor in range(2):
-            reached = solved.sol(found[trial, sensor])[sensor]
+            reached = solved.sol(read[trial, sensor])[sensor]
             # What is left is of second order: the ring's speed times its delay, 1 % here.
             assert np.abs(reached - PLACE[trial, sensor]).max() < 0.02 * stretch
 

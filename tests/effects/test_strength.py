@@ -27,9 +27,11 @@ def trials(recording):
     """n, m1, m2, acceleration, friction, duration and its slope in T, one row a trial."""
     rows = []
     for row in recording.gravity.trials.itertuples():
-        one = Condition(row.n_pulleys, row.wrap_angle_deg, row.mass_drive_kg, row.mass_load_kg, G)
+        condition = Condition(
+            row.n_pulleys, row.wrap_angle_deg, row.mass_drive_kg, row.mass_load_kg, G
+        )
         law = table1_coefficients()[row.pulley_size]
-        a = float(coulomb_acceleration(law, one))
+        a = float(coulomb_acceleration(law, condition))
         m1, m2 = row.mass_drive_kg, row.mass_load_kg
         friction = (m1 - m2) * G - (m1 + m2) * a
         slope = row.n_pulleys * (law.c1 + law.c3 * (row.wrap_angle_deg - 85))
@@ -50,8 +52,8 @@ def runs(recording):
 
 
 def amplitude(name, recording, strength=1.0, law=None):
-    found = at_strength(name, strength, QUICK, recording.rig, Truth(), law)
-    return found.values[all_effects()[name].amplitude.name]
+    applied = at_strength(name, strength, QUICK, recording.rig, Truth(), law)
+    return applied.values[all_effects()[name].amplitude.name]
 
 
 def rms(*boards):
@@ -120,13 +122,13 @@ def test_readings_that_go_to_and_fro(recording, trials):
 
 @pytest.mark.parametrize("name", list(all_effects()))
 def test_amplitudes_have_the_sign_of_the_strength_and_grow_with_it(name, recording):
-    half, one = (amplitude(name, recording, strength) for strength in (0.5, 1.0))
-    assert 0 < half < one
+    half, full = (amplitude(name, recording, strength) for strength in (0.5, 1.0))
+    assert 0 < half < full
     assert amplitude(name, recording, 0.0) == 0
     assert amplitude(name, recording, -1.0) < 0
     effect = all_effects()[name]
     if effect.along_path or effect.components or effect.acts_on in ("drive", "reading"):
-        assert one == pytest.approx(2 * half)
+        assert full == pytest.approx(2 * half)
 
 
 def test_an_unknown_effect_is_refused(recording):

@@ -31,11 +31,11 @@ def along(position, velocity):
 
 def link(step):
     """Return what the drive feels of friction behind a link that gets its ends' travel."""
-    force, found = COULOMB, []
+    force, forces = COULOMB, []
     for moved in np.diff(POSITION, prepend=POSITION[0]):
         force = step(force, moved)
-        found.append(force)
-    return np.array(found)
+        forces.append(force)
+    return np.array(forces)
 
 
 def test_friction_winds_a_spring_up_after_each_reversal():
@@ -57,11 +57,11 @@ def test_friction_is_missing_in_the_gap_whatever_it_is():
         place[k] = np.clip(place[k - 1], at - play, at + play)
     carried = np.diff(place, prepend=place[0]) != 0
     values = {"share": 1.0, "gap": TRAVEL}
-    found = EFFECTS["backlash"].laws["friction"](values, along(POSITION, VELOCITY))
+    missing = EFFECTS["backlash"].laws["friction"](values, along(POSITION, VELOCITY))
     travel = along(POSITION, VELOCITY).travel_m
     apart = np.abs(travel - TRAVEL) > 0.3 * TRAVEL  # the law closes the gap over a tenth of it
     apart &= travel > 0  # not while it turns
-    np.testing.assert_allclose(found[apart], np.where(carried, 0.0, -COULOMB)[apart], atol=0.01)
+    np.testing.assert_allclose(missing[apart], np.where(carried, 0.0, -COULOMB)[apart], atol=0.01)
 
 
 @pytest.mark.parametrize(("sharp", "share"), [(10.0, 0.002), (3.0, 0.03)])

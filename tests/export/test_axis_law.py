@@ -32,6 +32,6 @@ def test_the_python_file_has_friction_at_every_speed(law):
 
 
 def test_json_says_where_it_was_measured_of_what_there_is(law):
-    found = json.loads(export_text(law, "json"))
-    assert found["tested"] == {"velocity": [0.05, 0.6]}
-    assert found["coefficients"] == {"": {"c1": 0.0, "c2": 1.5, "c3": 0.0}}
+    exported = json.loads(export_text(law, "json"))
+    assert exported["tested"] == {"velocity": [0.05, 0.6]}
+    assert exported["coefficients"] == {"": {"c1": 0.0, "c2": 1.5, "c3": 0.0}}

@@ -39,10 +39,10 @@ def stored(tmp_path_factory):
 
 
 def test_constant_and_damping_are_those_of_the_machine(stored):
-    found = joint_friction(read_law(stored.folder))
-    assert found.frictionloss == pytest.approx(8, rel=0.01)
-    assert found.damping == pytest.approx(3, rel=0.02)
-    assert found.error_max < 0.001 * found.friction_rms
+    friction = joint_friction(read_law(stored.folder))
+    assert friction.frictionloss == pytest.approx(8, rel=0.01)
+    assert friction.damping == pytest.approx(3, rel=0.02)
+    assert friction.error_max < 0.001 * friction.friction_rms
 
 
 def test_mujoco_reproduces_the_points_that_were_held_back(stored):
@@ -151,9 +151,9 @@ def test_numbers_are_those_of_the_refit_where_a_cause_is_named():
     numbers = numbers_of(fit, named)
     assert numbers["c1[small]"].value.mean == 0.05
     assert numbers_of(fit, diagnosis(causes=(), law=law))["c1[small]"].value.mean == 0.0522
-    found = axis_law(numbers=numbers, said=law_said(fit, named), causes=named.causes)
+    refitted_law = axis_law(numbers=numbers, said=law_said(fit, named), causes=named.causes)
     for to in FORMATS:
-        text = export_text(found, to)
+        text = export_text(refitted_law, to)
         assert "refitted with what diagnosis.json names: viscous" in text
         assert "0.0522" not in text
 
@@ -198,10 +198,10 @@ def test_the_python_file_is_the_law_and_stands_alone(stored):
 def test_the_urdf_says_the_same(stored):
     law = read_law(stored.folder)
     dynamics = ElementTree.fromstring(export_text(law, "urdf")).find("joint/dynamics")
-    found = joint_friction(law)
+    friction = joint_friction(law)
     for name, value, error in (
-        ("friction", found.frictionloss, found.frictionloss_sd),
-        ("damping", found.damping, found.damping_sd),
+        ("friction", friction.frictionloss, friction.frictionloss_sd),
+        ("damping", friction.damping, friction.damping_sd),
     ):
         assert float(dynamics.get(name)) == pytest.approx(value, abs=0.05 * error)
         assert 1e-4 < error / value < 0.05
@@ -216,8 +216,8 @@ def test_json_has_draws_of_the_posterior_in_step(stored):
 
 
 def test_what_is_missing_is_told_and_nothing_written(tmp_path):
-    found = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "mjcf"])
-    assert found.exit_code == 2
-    assert "bayesfric diagnose" in found.output
+    done = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "mjcf"])
+    assert done.exit_code == 2
+    assert "bayesfric diagnose" in done.output
     assert not (tmp_path / "law.xml").exists()
     assert CliRunner().invoke(app, ["export", str(tmp_path), "--to", "usd"]).exit_code == 2

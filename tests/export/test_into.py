@@ -32,11 +32,11 @@ NUMBERS = {"coulomb": "frictionloss", "viscous": "damping", "armature": "armatur
 def diagnosed(folder, seed):
     """Diagnose a hinge beside a model with other numbers; return the truth and the joint."""
     truth = drawn_hinge(seed)
-    found = bf.diagnose(recording(truth, seed, own=OWN))
-    found.write(folder / "out")
+    diagnosed_joint = bf.diagnose(recording(truth, seed, own=OWN))
+    diagnosed_joint.write(folder / "out")
     (folder / "one.xml").write_text(OWN.model())
     (folder / "one.urdf").write_text(OWN.urdf())
-    return truth, found.summary
+    return truth, diagnosed_joint.summary
 
 
 def exported(folder, *arguments):
@@ -46,7 +46,7 @@ def exported(folder, *arguments):
 
 
 def joint(*numbers, name="elbow", in_model=None, turns=True, draws=None):
-    named = {one.parameter: one for one in numbers}
+    named = {entered.parameter: entered for entered in numbers}
     return ExportedJoint(name, in_model, turns, named, draws or {})
 
 
@@ -58,7 +58,7 @@ def hinge(tmp_path_factory):
 
 
 def test_the_diagnosis_says_what_the_model_has_and_what_to_enter(hinge):
-    entered = {one.parameter: one for one in hinge.summary.enter}
+    entered = {entry.parameter: entry for entry in hinge.summary.enter}
     entered |= {"armature": entered.get("armature", entered.get("inertia"))}
     assert hinge.summary.joint_in_model == "hinge"
     for name, field in NUMBERS.items():
@@ -215,10 +215,10 @@ def test_the_truth_of_twenty_hinges_lies_in_their_intervals(tmp_path):
         folder = tmp_path / str(seed)
         folder.mkdir()
         truth, summary = diagnosed(folder, seed)
-        for one in summary.enter:
-            name = {"inertia": "armature"}.get(one.parameter, one.parameter)
+        for entry in summary.enter:
+            name = {"inertia": "armature"}.get(entry.parameter, entry.parameter)
             if name in NUMBERS:
-                inside.append(one.value.q05 <= getattr(truth, NUMBERS[name]) <= one.value.q95)
+                inside.append(entry.value.q05 <= getattr(truth, NUMBERS[name]) <= entry.value.q95)
     assert len(inside) == 60
     assert sum(inside) > 48
 
@@ -254,7 +254,7 @@ def test_a_slip_of_the_command_line_is_one_line(tmp_path, monkeypatch, arguments
     assert done.exit_code == 2
     assert said in done.stderr
     assert len(done.stderr.splitlines()) == 1
-    assert not [one for one in (tmp_path / "out").iterdir() if not one.name.startswith(".")]
+    assert not [file for file in (tmp_path / "out").iterdir() if not file.name.startswith(".")]
 
 
 COULOMB, VISCOUS = number("coulomb", 0.61, 0.01), number("viscous", 0.3, 0.01, "N·m s/rad")
@@ -294,8 +294,8 @@ def test_what_has_a_field_and_is_not_set_is_told(tmp_path):
     path.write_text(OWN.model(joint="elbow"))
     spring = number("spring.stiffness", 4.21, 0.05, "N·m/rad")
     filled = filled_model(path, "mjcf", [joint(COULOMB, spring)], {})
-    told = "elbow: not set: spring.stiffness 4.210 N·m/rad (joint/@stiffness)"
-    assert told in filled.remarks
+    remark = "elbow: not set: spring.stiffness 4.210 N·m/rad (joint/@stiffness)"
+    assert remark in filled.remarks
     assert "stiffness" not in filled.content.decode()
 
 
@@ -366,7 +366,7 @@ def test_python_and_json_have_all_joints():
     exec(compile(TEXTS_OF_JOINTS["python"][1](joints, 'x"""y'), "joints.py", "exec"), module)
     assert module["friction"]("elbow", -2.0) == pytest.approx(-(0.61 + 0.6))
     record = json.loads(TEXTS_OF_JOINTS["json"][1](joints, "log"))
-    assert [one["joint"] for one in record["joints"]] == ["elbow", 'a "b"\\n']
+    assert [entry["joint"] for entry in record["joints"]] == ["elbow", 'a "b"\\n']
     assert record["joints"][0]["enter"][0]["value"]["mean"] == 0.61
 
 

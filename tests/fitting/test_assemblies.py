@@ -81,12 +81,12 @@ def test_a_probability_is_that_of_a_posterior_that_never_saw_the_assembly():
 @pytest.mark.parametrize("far", [3.3, -3.3])
 def test_an_assembly_at_3_3_sd_is_named(far):
     pit = stats.norm.cdf(np.append(stats.norm.ppf((np.arange(29) + 0.5) / 29), far))
-    found = assemblies_of(_left(pit), tuple(f"s{place:03d}" for place in range(30)), 1)
-    z = dict(zip(found.names, found.z, strict=True))
+    assemblies = assemblies_of(_left(pit), tuple(f"s{place:03d}" for place in range(30)), 1)
+    z = dict(zip(assemblies.names, assemblies.z, strict=True))
     assert z["s029"] == pytest.approx(far)
     # One of thirty beyond 3.3: 30 times 9.67e-4, less what is counted twice.
-    assert found.chance(far) == pytest.approx(1 - (1 - 9.67e-4) ** 30, rel=1e-3)
-    assert found.uniformity.p_value > 0.1  # the distribution of all says nothing of one
+    assert assemblies.chance(far) == pytest.approx(1 - (1 - 9.67e-4) ** 30, rel=1e-3)
+    assert assemblies.uniformity.p_value > 0.1  # the distribution of all says nothing of one
 
 
 def _left(pit, without=()):
@@ -125,9 +125,9 @@ def test_fewer_than_five_have_no_distribution():
 def test_scores_stand_beside_those_of_their_rank():
     """Of five independent ones the middle is that of Beta(3, 3): none, with 90 % ± 0.88."""
     pit = np.array([0.9, 0.1, 0.3, 0.5, 0.7])
-    found = assemblies_of(_left(pit), tuple("abcde"), 1)
+    assemblies = assemblies_of(_left(pit), tuple("abcde"), 1)
     trials = pd.DataFrame({"setup": list("aabcde"), "n_pulleys": [9, 9, 5, 5, 5, 5]})
-    table = found.table(trials)
+    table = assemblies.table(trials)
     assert table["assembly"].to_numpy().tolist() == list("bcdea")
     assert table["trials"].to_numpy().tolist() == [1, 1, 1, 1, 2]
     assert table["n_pulleys"].to_numpy().tolist() == [5, 5, 5, 5, 9]
@@ -143,7 +143,7 @@ def test_the_fit_names_it():
     sampler = Sampler(burn=10, steps=80, thin=2, extensions=0)
     summary = fit(recording, Analysis(seed=2, sampler=sampler)).summary
     (check,) = summary.assemblies
-    assert [one.setup for one in check.outlying] == [setup]
+    assert [assembly.setup for assembly in check.outlying] == [setup]
     assert check.outlying[0].z > 3
     assert any(
         f"Friction of assembly {setup} of the gravity board is" in s for s in summary.attention

@@ -10,18 +10,18 @@ from bayesfric.inference.priors import Parameter
 def test_a_mass_in_another_unit_than_the_log_is_told_and_one_that_fits_is_not():
     mass = Parameter("mass", "kg·m²", Normal(mean=2.0, sd=0.4))
     coulomb = Parameter("coulomb", "N·m", HalfNormal(scale=0.3))
-    found = {
+    posterior = {
         "mass": SimpleNamespace(mean=0.035, sd=0.01),
         "coulomb": SimpleNamespace(mean=1.5, sd=0.01),
     }
-    (line,) = contradicted([mass, coulomb], found)
+    (line,) = contradicted([mass, coulomb], posterior)
     assert line.startswith("Parameter mass is 0.035, and 2 ± 0.4 by its prior: 4.9 standard")
     assert "check the units in the recording and of the prior" in line
-    found["mass"] = SimpleNamespace(mean=0.5, sd=0.01)  # 3.75, and surely so
-    (line,) = contradicted([mass, coulomb], found)
+    posterior["mass"] = SimpleNamespace(mean=0.5, sd=0.01)  # 3.75, and surely so
+    (line,) = contradicted([mass, coulomb], posterior)
     assert "from the 2 that is declared" in line
-    found["mass"] = SimpleNamespace(mean=1.4, sd=0.01)  # 1.5
-    assert not list(contradicted([mass, coulomb], found))
+    posterior["mass"] = SimpleNamespace(mean=1.4, sd=0.01)  # 1.5
+    assert not list(contradicted([mass, coulomb], posterior))
 
 
 def test_a_prior_of_a_size_that_pulls_is_told_with_what_it_takes_off():

@@ -44,17 +44,17 @@ def covered():
 
 def test_trials_inside_their_intervals_are_counted_by_condition_and_cell():
     """The 50 % interval is 0.25 to 0.75, the 90 % interval 0.05 to 0.95."""
-    found = covered()
-    cells = [found[f"cell_{name}"].to_numpy().tolist() for name in ("pulley_size", "n_pulleys")]
+    coverages = covered()
+    cells = [coverages[f"cell_{name}"].to_numpy().tolist() for name in ("pulley_size", "n_pulleys")]
     assert cells == [["small", "small", "large"], [9, 15, 9]]
-    assert found["cell_trials"].to_numpy().tolist() == [2, 2, 2]
-    assert found["cell_share"].to_numpy().tolist() == [[0.5, 0.5], [1.0, 1.0], [0.5, 1.0]]
-    assert found["condition_mass_drive_kg"].to_numpy().tolist() == [1.0, 1.0, 1.0, 2.0]
-    assert found["condition_trials"].to_numpy().tolist() == [2, 2, 1, 1]
+    assert coverages["cell_trials"].to_numpy().tolist() == [2, 2, 2]
+    assert coverages["cell_share"].to_numpy().tolist() == [[0.5, 0.5], [1.0, 1.0], [0.5, 1.0]]
+    assert coverages["condition_mass_drive_kg"].to_numpy().tolist() == [1.0, 1.0, 1.0, 2.0]
+    assert coverages["condition_trials"].to_numpy().tolist() == [2, 2, 1, 1]
     shares = [[0.5, 0.5], [1.0, 1.0], [1.0, 1.0], [0.0, 1.0]]
-    assert found["condition_share"].to_numpy().tolist() == shares
-    assert found["all_share"].to_numpy() == pytest.approx([4 / 6, 5 / 6])
-    assert int(found["all_trials"]) == 6
+    assert coverages["condition_share"].to_numpy().tolist() == shares
+    assert coverages["all_share"].to_numpy() == pytest.approx([4 / 6, 5 / 6])
+    assert int(coverages["all_trials"]) == 6
 
 
 def test_what_is_expected_of_recordings_whose_trials_move_together():
@@ -90,18 +90,20 @@ def prior_draws(size=40_000):
 
 def test_friction_of_a_draw_is_the_laws():
     law = {"c1[small]": 0.02, "c2[small]": 0.05, "c3[small]": -1e-4}
-    one = {name: np.array([value]) for name, value in law.items()}
-    found = friction_of_prior(CONDITIONS, RESTING, one, one, BASELINES["paper"])
+    coefficients = {name: np.array([value]) for name, value in law.items()}
+    friction = friction_of_prior(
+        CONDITIONS, RESTING, coefficients, coefficients, BASELINES["paper"]
+    )
     expected = [9 * (0.02 * 8 + 0.05), 15 * ((0.02 - 50e-4) * 20 + 0.05)]
     for name in ("prior_n", "posterior_n"):
-        assert found[name].to_numpy() == pytest.approx(np.repeat([expected], 5, axis=0).T)
-    assert found["measured_range_n"].to_numpy().tolist() == [[1.1, 3.0]]
-    assert found["drive_n"].to_numpy() == pytest.approx([0.3 * 9.81, 0.7 * 9.81])
+        assert friction[name].to_numpy() == pytest.approx(np.repeat([expected], 5, axis=0).T)
+    assert friction["measured_range_n"].to_numpy().tolist() == [[1.1, 3.0]]
+    assert friction["drive_n"].to_numpy() == pytest.approx([0.3 * 9.81, 0.7 * 9.81])
 
 
 def test_default_priors_hold_the_board_as_often_as_two_half_normals_do():
     """At 85° friction is n (c1 T + c2): a sum of two half-normals, by quadrature."""
-    found = friction_of_prior(
+    friction = friction_of_prior(
         CONDITIONS.iloc[:1],
         Resting(RESTING.tension_n[:1], np.array([0.1 * 9.81])),
         prior_draws(),
@@ -115,8 +117,8 @@ def test_default_priors_hold_the_board_as_often_as_two_half_normals_do():
     )
     share = 1 - moves.sum() * (c1[1] - c1[0])
     assert 0.05 < share < 0.5
-    assert float(found["prior_stuck"][0]) == pytest.approx(share, abs=0.01)
-    assert float(found["prior_negative"][0]) == 0.0
+    assert float(friction["prior_stuck"][0]) == pytest.approx(share, abs=0.01)
+    assert float(friction["prior_negative"][0]) == 0.0
     tails = np.quantile(prior_draws()["c2[small]"], PRIOR_QUANTILES)
     assert tails == pytest.approx(stats.halfnorm(scale=0.04).ppf(PRIOR_QUANTILES), rel=0.05)
 
@@ -125,15 +127,15 @@ def test_a_draw_holds_the_board_where_the_moving_board_would_not_speed_up():
     """Not above zero is the acceleration that drive and friction in motion agree upon."""
     prior = prior_draws(4000)
     gentle = {name: values[prior["c1[small]"] < 0.02] for name, values in prior.items()}
-    found = friction_of_prior(CONDITIONS, RESTING, gentle, gentle, BASELINES["paper"])
+    friction = friction_of_prior(CONDITIONS, RESTING, gentle, gentle, BASELINES["paper"])
     law = Coefficients(*(gentle[f"{name}[small]"][:, None] for name in Coefficients._fields))
     rests = coulomb_acceleration(law, BOARD) <= 0
-    assert float(found["prior_stuck"][0]) == pytest.approx(rests.mean(), abs=1e-12)
-    assert float(found["prior_stuck_somewhere"][0]) == pytest.approx(rests.any(axis=1).mean())
+    assert float(friction["prior_stuck"][0]) == pytest.approx(rests.mean(), abs=1e-12)
+    assert float(friction["prior_stuck_somewhere"][0]) == pytest.approx(rests.any(axis=1).mean())
 
 
 def test_a_motor_moves_whatever_the_friction():
-    found = friction_of_prior(
+    friction = friction_of_prior(
         CONDITIONS, None, prior_draws(100), prior_draws(100), BASELINES["recursive"]
     )
-    assert not {"drive_n", "prior_stuck"} & set(found.data_vars)
+    assert not {"drive_n", "prior_stuck"} & set(friction.data_vars)

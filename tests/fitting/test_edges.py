@@ -31,14 +31,14 @@ def exact(recording, laws, **columns):
     condition = trial_condition(trials, recording.rig)
     for size, law in laws.items():
         own = trials["pulley_size"] == size
-        told = coulomb_acceleration(law, condition)
-        trials.loc[own, "acceleration_m_s2"] = told[own.to_numpy()]
+        accelerations = coulomb_acceleration(law, condition)
+        trials.loc[own, "acceleration_m_s2"] = accelerations[own.to_numpy()]
     return dataclasses.replace(recording, motor=None, gravity=Gravity(trials, gravity.events))
 
 
-def law_of(found, recording):
+def law_of(fitted, recording):
     """Median of the law's friction of each trial, its standard deviation, and the trials."""
-    stored = found.predictive["trials"].to_dataset()
+    stored = fitted.predictive["trials"].to_dataset()
     low, middle, high = stored["law_n"].to_numpy().T
     trials = recording.gravity.trials.set_index("trial").loc[stored["trial"].to_numpy()]
     return middle, (high - low) / NORMAL_90, trials.reset_index()
@@ -70,18 +70,18 @@ def test_a_frictionless_board_has_no_friction(small_recording):
     """With an error stated there is an answer: none, to within that error."""
     nothing = dict.fromkeys(table1_coefficients(), FRICTIONLESS)
     board = exact(small_recording, nothing, acceleration_sd_m_s2=0.002)
-    found = fit(board, QUICK)
-    friction, _, trials = law_of(found, board)
+    fitted = fit(board, QUICK)
+    friction, _, trials = law_of(fitted, board)
     # The error of one trial's friction: a law of nine numbers is known better than that.
     error = 0.002 * trial_condition(trials, board.rig).total_mass_kg
     assert (np.abs(friction) < error).all()
-    json.loads(found.summary.model_dump_json(), parse_constant=pytest.fail)
+    json.loads(fitted.summary.model_dump_json(), parse_constant=pytest.fail)
 
 
 def test_a_thousand_pulleys(small_recording):
     """Coefficients a hundred times less than expected, far below the widths of their priors."""
     less = {
-        size: Coefficients(*(0.01 * one for one in (law.c1, law.c2, law.c3)))
+        size: Coefficients(*(0.01 * coefficient for coefficient in (law.c1, law.c2, law.c3)))
         for size, law in table1_coefficients().items()
     }
     board = exact(small_recording, less, n_pulleys=1000, acceleration_sd_m_s2=1e-4)

@@ -51,7 +51,7 @@ def log_ratio(posterior):
 @pytest.mark.nightly
 def test_posterior_is_the_default_one_reweighted_by_the_priors(small_fit, small_recording):
     other_fit = with_these(small_recording)
-    before, after = (one.draws["posterior"] for one in (small_fit, other_fit))
+    before, after = (fitted.draws["posterior"] for fitted in (small_fit, other_fit))
     weight = special.softmax(log_ratio(before))
     assert 1 / (weight**2).sum() > 500  # effective draws of the weights
     for name in ("c1", "c2", "c3", "tau", "omega"):
@@ -68,8 +68,10 @@ def test_what_is_stored_of_a_prior_without_standard_deviation(fast_fit):
     assert entry.prior == "half-cauchy(scale=0.05)"
     assert entry.contraction is None
     assert entry.contraction_why == "the prior has no standard deviation"
-    known = fast_fit.summary.pulleys["small"]["c1"]
-    assert known.contraction == pytest.approx(1 - known.sd / stats.gamma(2, scale=0.01).std())
+    coefficient = fast_fit.summary.pulleys["small"]["c1"]
+    assert coefficient.contraction == pytest.approx(
+        1 - coefficient.sd / stats.gamma(2, scale=0.01).std()
+    )
 
 
 def test_prior_draws_and_log_prior_are_scipys(fast_fit):

@@ -134,16 +134,16 @@ def check_friction(fitted, recording):
     for group, key in (("trials", "trial"), ("runs", "run")):
         if group not in fitted.predictive:
             continue
-        found = fitted.predictive[group].to_dataset()
+        friction = fitted.predictive[group].to_dataset()
         table = recording.gravity.trials if group == "trials" else recording.motor.runs
-        table = table.set_index(key).loc[found[key].to_numpy()].reset_index()
+        table = table.set_index(key).loc[friction[key].to_numpy()].reset_index()
         laws = [true_laws()[size] for size in table["pulley_size"]]
         law = Coefficients(*(np.array(column) for column in zip(*laws, strict=True)))
         if group == "trials":
             truth = board_friction(law, trial_condition(table, recording.rig))
         else:
             truth = motor_friction(law, run_condition(table, recording.rig))
-        low, middle, high = found["law_n"].to_numpy().T
+        low, middle, high = friction["law_n"].to_numpy().T
         assert (np.abs(middle - truth) < 4 * (high - low) / NORMAL_90).all()
 
 
@@ -152,12 +152,12 @@ def fit_of(small_recording, tmp_path_factory):
     """Recording and fit of a case, once each."""
 
     @cache
-    def found(name):
+    def fitted(name):
         make, sampler, _ = CASES[name]
         recording = read_back(make(small_recording), tmp_path_factory.mktemp("recording"))
         return recording, bf.fit(recording, Analysis(seed=5, sampler=sampler))
 
-    return found
+    return fitted
 
 
 @pytest.mark.parametrize(

@@ -98,7 +98,9 @@ def test_the_likelihood_adds_up_to_that_of_the_whole(draws, board):
     assert density["friction"].to_numpy() == pytest.approx(
         likelihood.given_rest(theta).trial[0], rel=1e-7
     )
-    prior = sum(float(one.isel(chain=3, draw=7).sum()) for one in draws["log_prior"].values())
+    prior = sum(
+        float(log_prior.isel(chain=3, draw=7).sum()) for log_prior in draws["log_prior"].values()
+    )
     lp = float(draws["sample_stats"]["lp"].isel(chain=3, draw=7))
     assert lp == pytest.approx(total + prior, rel=1e-12)
 
@@ -122,11 +124,11 @@ def test_arviz_says_of_the_file_what_the_fit_says_of_it(draws, folder):
 def test_psense_is_that_of_the_fit(draws, folder):
     """The same method over ensembles instead of walkers: what the tail of weights is differs."""
     fit = json.loads((folder / "fit.json").read_text())
-    found = azs.psense_summary(draws, round_to=12)
-    assert np.isfinite(found[["prior", "likelihood"]].to_numpy(float)).all()
+    sensitivity = azs.psense_summary(draws, round_to=12)
+    assert np.isfinite(sensitivity[["prior", "likelihood"]].to_numpy(float)).all()
     for size, coefficients in fit["pulleys"].items():
         for name, entry in coefficients.items():
-            row = found.loc[f"{name}[{size}]"]
+            row = sensitivity.loc[f"{name}[{size}]"]
             assert float(row["prior"]) == pytest.approx(entry["prior_sensitivity"], abs=0.003)
             assert float(row["likelihood"]) == pytest.approx(
                 entry["likelihood_sensitivity"], rel=0.03

@@ -28,12 +28,12 @@ def test_numbers_are_called_as_a_diagnosis_calls_them(given, mass):
 @pytest.mark.parametrize(("given", "mass"), [(arm.robot(), "armature"), (None, "inertia")])
 def test_each_joint_has_its_law(given, mass):
     """With a model of the arm, and with the joints that are logged alone; about a minute each."""
-    found = fit(arm.recording(model_of=given), Analysis()).summary
-    assert list(found.joints) == list(arm.JOINTS)
-    assert found.converged
+    summary = fit(arm.recording(model_of=given), Analysis()).summary
+    assert list(summary.joints) == list(arm.JOINTS)
+    assert summary.converged
     for joint, (coulomb, viscous) in TRUTH.items():
-        numbers = found.joints[joint].parameters
+        numbers = summary.joints[joint].parameters
         assert set(numbers) == {mass, "coulomb", "viscous", "offset"}
         assert numbers["coulomb"].mean == pytest.approx(coulomb, rel=0.01)
         assert numbers["viscous"].mean == pytest.approx(viscous, rel=0.03)
-        assert not any(name.startswith("beside") for name in found.joints[joint].noise)
+        assert not any(name.startswith("beside") for name in summary.joints[joint].noise)

@@ -51,8 +51,8 @@ def fitted(recording, analysis=None, without=()):
     )
     model = Model([likelihood])
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-    found, z = importance_draws(model.log_posterior, laplace, 1, chart_of(model), 6000)
-    return model, likelihood, laplace.mode, z, found
+    importance, z = importance_draws(model.log_posterior, laplace, 1, chart_of(model), 6000)
+    return model, likelihood, laplace.mode, z, importance
 
 
 class Named:
@@ -100,17 +100,17 @@ def test_an_assembly_whose_weights_fail_is_fitted_without(lever):
     trials = likelihood.trials
     alone = trials["setup"][trials["wrap_angle_deg"] == 135.0].iloc[0]
     place = likelihood.setups.index(alone)
-    found = leave_out(model, likelihood, z, mode, 5).setups
-    assert found.bad[place]
-    assert (found.refitted == found.bad).all()
-    assert found.reliable
+    left_out = leave_out(model, likelihood, z, mode, 5).setups
+    assert left_out.bad[place]
+    assert (left_out.refitted == left_out.bad).all()
+    assert left_out.reliable
     seen, unseen = fitted(lever, NO_WANDER)[-1], fitted(lever, NO_WANDER, [alone])[-1]
     exact = seen.log_evidence - unseen.log_evidence
-    assert found.pointwise[place] == pytest.approx(exact, abs=0.15)
+    assert left_out.pointwise[place] == pytest.approx(exact, abs=0.15)
     smoothed = elpd(likelihood.setup_log_likelihood(model.by_name(model.natural(z))))
     assert abs(smoothed.pointwise[place] - exact) > 0.5  # which is what the refit is for
     marked = leave_setups_out(setup_log_densities(model, z))
-    np.testing.assert_array_equal(marked.bad, found.bad)
+    np.testing.assert_array_equal(marked.bad, left_out.bad)
     assert not marked.refitted.any()
     np.testing.assert_allclose(marked.pointwise, smoothed.pointwise)
 
@@ -125,32 +125,32 @@ def probabilities(seed, factor):
 
 @pytest.mark.nightly
 def test_recordings_of_the_model_have_uniform_probabilities():
-    found = [probabilities(seed, 1.0) for seed in range(3)]
-    together = np.concatenate([pit for pit, _ in found])
+    checks = [probabilities(seed, 1.0) for seed in range(3)]
+    together = np.concatenate([pit for pit, _ in checks])
     assert together.size == 3 * 48
     assert stats.kstest(together, "uniform").pvalue > 0.05
-    assert min(one.p_value for _, one in found) > 0.02
-    assert np.mean([one.spread for _, one in found]) == pytest.approx(1, abs=0.1)
+    assert min(check.p_value for _, check in checks) > 0.02
+    assert np.mean([check.spread for _, check in checks]) == pytest.approx(1, abs=0.1)
 
 
 @pytest.mark.nightly
 def test_twice_the_scatter_does_not():
     """And it is told how much: the density piles up at both ends."""
-    pit, found = probabilities(11, 2.0)
-    assert found.p_value < 0.002
-    assert found.spread == pytest.approx(2, abs=0.3)
-    assert found.spread_expected[2] < 1.3
-    outside = (found.difference < found.low) | (found.difference > found.high)
+    pit, check = probabilities(11, 2.0)
+    assert check.p_value < 0.002
+    assert check.spread == pytest.approx(2, abs=0.3)
+    assert check.spread_expected[2] < 1.3
+    outside = (check.difference < check.low) | (check.difference > check.high)
     assert outside.any()
-    assert found.difference[found.grid < 0.3].max() > 0.05
-    assert found.difference[found.grid > 0.7].min() < -0.05
+    assert check.difference[check.grid < 0.3].max() > 0.05
+    assert check.difference[check.grid > 0.7].min() < -0.05
     assert ((pit < 0.05) | (pit > 0.95)).mean() > 0.25
 
 
 @pytest.mark.nightly
 def test_p_values_of_the_right_model_are_uniform():
-    found = [probabilities(seed, 1.0)[1] for seed in range(100, 200)]
-    p_values = np.array([one.p_value for one in found])
+    checks = [probabilities(seed, 1.0)[1] for seed in range(100, 200)]
+    p_values = np.array([check.p_value for check in checks])
     assert stats.kstest(p_values, "uniform").pvalue > 1e-3
     assert stats.binomtest(int((p_values < 0.05).sum()), 100, 0.05).pvalue > 1e-3
 
@@ -159,13 +159,13 @@ def test_the_band_holds_nineteen_in_twenty_recordings_everywhere():
     """Of 60 independent trials, whose shares below have binomial variances."""
     rng = np.random.default_rng(0)
     again = rng.uniform(size=(1500, 60))
-    one = uniformity(rng.uniform(size=60), again)
-    sd = np.sqrt(one.grid * (1 - one.grid) / 60)
-    assert one.high / one.high[24] == pytest.approx(sd / sd[24], rel=0.08)
-    assert (one.low == -one.high).all()
+    check = uniformity(rng.uniform(size=60), again)
+    sd = np.sqrt(check.grid * (1 - check.grid) / 60)
+    assert check.high / check.high[24] == pytest.approx(sd / sd[24], rel=0.08)
+    assert (check.low == -check.high).all()
     fresh = np.sort(rng.uniform(size=(1000, 60)), axis=1)
-    share = (fresh[:, :, None] <= one.grid).mean(axis=1)
-    inside = (np.abs(share - one.grid) <= one.high).all(axis=1).mean()
+    share = (fresh[:, :, None] <= check.grid).mean(axis=1)
+    inside = (np.abs(share - check.grid) <= check.high).all(axis=1).mean()
     assert inside == pytest.approx(0.95, abs=0.02)
     ranks = np.sort([uniformity(row, again).p_value for row in fresh[:60]])
     assert stats.kstest(ranks, "uniform").pvalue > 0.01
@@ -176,13 +176,13 @@ def test_the_fit_says_that_its_trials_scatter_more_than_it_assumes():
     recording = simulate_recording(DESIGN, seed=11, truth=Truth(tau=0.02, omega=0.03))
     sampler = Sampler(burn=10, steps=80, thin=2, extensions=0)
     summary = fit(recording, Analysis(priors=KNOWN_SCATTER, sampler=sampler)).summary
-    (found,) = summary.uniformity
-    assert (found.rig, found.trials) == ("gravity", 48)
-    assert found.p_value < 0.002
-    assert found.spread == pytest.approx(2, abs=0.3)
+    (check,) = summary.uniformity
+    assert (check.rig, check.trials) == ("gravity", 48)
+    assert check.p_value < 0.002
+    assert check.spread == pytest.approx(2, abs=0.3)
     (line,) = [line for line in summary.attention if "leave-one-out" in line]
-    assert f"{found.spread:.2f} times as far" in line
-    assert [(one.left_out, one.groups) for one in summary.prediction] == [
+    assert f"{check.spread:.2f} times as far" in line
+    assert [(score.left_out, score.groups) for score in summary.prediction] == [
         ("trial", 48),
         ("setup", 12),
     ]

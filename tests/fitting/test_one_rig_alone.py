@@ -19,7 +19,7 @@ def test_the_gravity_board_does_not_see_the_motor():
         for factor in (1.0, 1.03)
     ]
     assert not recordings[0].motor.runs.equals(recordings[1].motor.runs)
-    fits = [fit(one, Analysis(sampler=SHORT), rigs=("gravity",)) for one in recordings]
+    fits = [fit(recording, Analysis(sampler=SHORT), rigs=("gravity",)) for recording in recordings]
     shipped, off = (fit.draws["posterior"].to_dataset() for fit in fits)
     assert off.equals(shipped)
     assert fits[0].summary.pulleys == fits[1].summary.pulleys

@@ -29,9 +29,9 @@ def folder(small_recording, small_fit, tmp_path_factory):
     """The same data taken for two boards: what the arithmetic makes of it is known."""
     recordings = {"monday": small_recording, "friday": small_recording}
     fits = dict.fromkeys(recordings, small_fit)
-    found = pool(recordings, fits, Analysis(seed=5, sampler=SHORT))
+    pooled = pool(recordings, fits, Analysis(seed=5, sampler=SHORT))
     folder = tmp_path_factory.mktemp("pooled")
-    found.write(folder, csv=True, inputs={"recording": ["a", "b"]})
+    pooled.write(folder, csv=True, inputs={"recording": ["a", "b"]})
     return folder
 
 
@@ -63,8 +63,8 @@ def test_draws_hold_the_population_and_each_board(folder):
     for size, entries in summary.pulleys.items():
         assert float(posterior["c2"].sel(pulley=size).mean()) == pytest.approx(entries["c2"].mean)
         board = posterior["board_c3"].sel(pulley=size, board="friday")
-        found = summary.pooled.pulleys[size]["c3"].boards["friday"].pooled
-        assert float(board.mean()) == pytest.approx(found.mean)
+        coefficient = summary.pooled.pulleys[size]["c3"].boards["friday"].pooled
+        assert float(board.mean()) == pytest.approx(coefficient.mean)
     header = (folder / "draws.csv").read_text().splitlines()[0].split(",")
     assert "c1[small]" in header
     assert "board_c1[friday" in ",".join(header)
@@ -136,18 +136,18 @@ def test_other_rigs_are_refused(small_recording):
 
 @pytest.mark.parametrize("verb", ["claims", "diagnose", "run", "validate"])
 def test_other_verbs_say_why_they_take_one_recording(verb):
-    found = CliRunner().invoke(app, [verb, "a", "b"])
-    assert found.exit_code == 2
-    assert f"what `{verb}` says is of one board" in " ".join(found.output.split())
+    refused = CliRunner().invoke(app, [verb, "a", "b"])
+    assert refused.exit_code == 2
+    assert f"what `{verb}` says is of one board" in " ".join(refused.output.split())
 
 
 def test_one_folder_twice_is_refused_before_any_work(tmp_path, small_recording):
     write_recording(small_recording, tmp_path / "board")
     again = str(tmp_path / "board" / ".." / "board")
     output = tmp_path / "out"
-    found = CliRunner().invoke(app, ["fit", str(tmp_path / "board"), again, "-o", str(output)])
-    assert found.exit_code == 2
-    assert "each recording once: it would count twice" in found.output
+    refused = CliRunner().invoke(app, ["fit", str(tmp_path / "board"), again, "-o", str(output)])
+    assert refused.exit_code == 2
+    assert "each recording once: it would count twice" in refused.output
     other = CliRunner().invoke(
         app, ["fit", str(tmp_path / "board"), str(tmp_path / "x" / "board"), "-o", str(output)]
     )
@@ -167,9 +167,9 @@ def test_two_recordings_are_fitted_reported_and_rerun(tmp_path):
     runner = CliRunner()
     boards = [str(tmp_path / name) for name in ("monday", "friday")]
     output = tmp_path / "pooled"
-    found = runner.invoke(app, ["fit", *boards, "-o", str(output), "--config", str(config)])
-    assert found.exit_code == 0, found.output
-    lines = [line for line in found.output.splitlines() if line.startswith(("small", "large"))]
+    fitted = runner.invoke(app, ["fit", *boards, "-o", str(output), "--config", str(config)])
+    assert fitted.exit_code == 0, fitted.output
+    lines = [line for line in fitted.output.splitlines() if line.startswith(("small", "large"))]
     summary = read_json(FitFile, output / "fit.json")
     assert f"{summary.pulleys['small']['c1'].mean:.4g} ± " in lines[0]
     assert np.isclose(

@@ -33,7 +33,7 @@ class Board:
     trials: tuple = (None,) * 10
 
     def log_likelihood(self, theta):
-        values = np.stack([theta[one.name] for one in self.parameters], axis=-1)
+        values = np.stack([theta[parameter.name] for parameter in self.parameters], axis=-1)
         return self.log_density(values)
 
 
@@ -72,8 +72,10 @@ def test_marginal_of_a_board_is_the_normal_density():
         stats.multivariate_normal(mean, covariance + np.diag(s**2)).logpdf(m)
         for m, s in zip(population, sd, strict=True)
     ]
-    found = board.log_marginal(population, sd)
-    np.testing.assert_allclose(found - found[0], np.array(expected) - expected[0], atol=0.15)
+    log_marginal = board.log_marginal(population, sd)
+    np.testing.assert_allclose(
+        log_marginal - log_marginal[0], np.array(expected) - expected[0], atol=0.15
+    )
     # Weighted by the board's own density, the mean weight is that same density.
     _, log_weight = board.draw(population, sd, 4000, rng)
     mean_weight = np.log(np.exp(log_weight - log_weight.max()).mean(axis=1))
@@ -84,14 +86,14 @@ def test_marginal_of_a_board_is_the_normal_density():
 def test_boards_that_are_alike_are_one_normal_mean():
     covariance = 1e-4 * CORRELATED
     means = np.array([[2.0, 1.0, 1.5], [2.01, 0.99, 1.49], [1.99, 1.0, 1.51]])
-    found = pooled(means, covariance, scale=1e-5)
-    mean = found.theta[..., :3].reshape(-1, 3)
+    pool = pooled(means, covariance, scale=1e-5)
+    mean = pool.theta[..., :3].reshape(-1, 3)
     error = np.sqrt(np.diag(covariance) / 3)
     assert np.abs(mean.mean(axis=0) - means.mean(axis=0)) / error == pytest.approx(0, abs=0.2)
     assert mean.std(axis=0) == pytest.approx(error, rel=0.1)
     # The correlation of the coefficients of a board is that of the population too.
     assert np.corrcoef(mean.T) == pytest.approx(CORRELATED, abs=0.08)
-    for draws in found.boards.values():
+    for draws in pool.boards.values():
         assert draws.reshape(-1, 3) == pytest.approx(mean, rel=1e-3)
 
 
@@ -99,8 +101,8 @@ def test_many_boards_that_are_alike_have_hardly_any_scatter():
     """Under the prior that is the default, which allows 5 %."""
     rng = np.random.default_rng(1)
     means = 2.0 + 0.01 * rng.standard_normal((12, 1))  # known to 0.5 % each
-    found = pooled(means, np.array([[1e-4]]), scale=0.05)
-    mean, between = found.theta[..., 0], found.theta[..., 1]
+    pool = pooled(means, np.array([[1e-4]]), scale=0.05)
+    mean, between = pool.theta[..., 0], pool.theta[..., 1]
     assert np.median(between) < 0.005
     assert mean.std() == pytest.approx(0.01 / np.sqrt(12), rel=0.35)
 
@@ -114,9 +116,9 @@ def test_scatter_of_five_per_cent_is_found_and_means_are_covered():
     for seed in range(2):
         boards = truth * (1 + 0.05 * rng.standard_normal((8, 3)))
         means = np.array([rng.multivariate_normal(board, covariance) for board in boards])
-        found = pooled(means, covariance, scale=0.05, seed=seed)
+        pool = pooled(means, covariance, scale=0.05, seed=seed)
         truths = np.r_[truth, [0.05] * 3]
-        low, high = np.quantile(found.theta.reshape(-1, 6), [0.05, 0.95], axis=0)
+        low, high = np.quantile(pool.theta.reshape(-1, 6), [0.05, 0.95], axis=0)
         hits.extend((low < truths) & (high > truths))
         # Eight boards of 5 % scatter: a mean known to 1.8 %, not to 0.35 %.
         assert ((high - low)[:3] / 3.29 > 0.008 * truth).all()
@@ -164,13 +166,13 @@ def test_posteriors_that_are_not_normal_are_pooled_exactly():
         sampler=Sampler(burn=60, steps=640, thin=2, extensions=0),
         priors=Priors(boards=HalfNormal(scale=scale)),
     )
-    found = draw_pooled(models, draws, analysis)
+    pool = draw_pooled(models, draws, analysis)
     (mean, mean_sd), (share, share_sd) = quadrature(centres, width, scale)
-    assert found.pareto_k < 0.7
-    assert found.theta[..., 0].mean() == pytest.approx(mean, abs=0.12 * mean_sd)
-    assert found.theta[..., 0].std() == pytest.approx(mean_sd, rel=0.1)
-    assert found.theta[..., 1].mean() == pytest.approx(share, abs=0.12 * share_sd)
-    assert found.theta[..., 1].std() == pytest.approx(share_sd, rel=0.1)
+    assert pool.pareto_k < 0.7
+    assert pool.theta[..., 0].mean() == pytest.approx(mean, abs=0.12 * mean_sd)
+    assert pool.theta[..., 0].std() == pytest.approx(mean_sd, rel=0.1)
+    assert pool.theta[..., 1].mean() == pytest.approx(share, abs=0.12 * share_sd)
+    assert pool.theta[..., 1].std() == pytest.approx(share_sd, rel=0.1)
 
 
 def test_second_stage_leaves_the_density_of_the_weights():
@@ -197,5 +199,5 @@ def test_the_prior_of_a_board_is_divided_out():
     board = NormalBoard.of(model, centre + draws @ np.linalg.cholesky(posterior).T, NAMES)
     population, sd = mean + np.array([[0.1], [-0.2], [0.4]]), np.full((3, 3), 0.2)
     expected = stats.multivariate_normal(mean, covariance + 0.04 * np.eye(3)).logpdf(population)
-    found = board.log_marginal(population, sd)
-    assert found - found[0] == pytest.approx(expected - expected[0], abs=1e-8)
+    log_marginal = board.log_marginal(population, sd)
+    assert log_marginal - log_marginal[0] == pytest.approx(expected - expected[0], abs=1e-8)

@@ -23,8 +23,8 @@ TO_SD = 2 * stats.norm.ppf(0.95)  # widths of a 90 % interval
 
 def chosen(data, dim, **wanted):
     """The rows of a Dataset whose columns have these values."""
-    here = np.all([data[name].to_numpy() == value for name, value in wanted.items()], axis=0)
-    return data.isel({dim: np.flatnonzero(here)})
+    matching = np.all([data[name].to_numpy() == value for name, value in wanted.items()], axis=0)
+    return data.isel({dim: np.flatnonzero(matching)})
 
 
 def law_draws(fitted, size):
@@ -62,12 +62,12 @@ def test_a_slope_made_again_scatters_as_assemblies_and_trials_do(wrap_fit):
     apart = tension - tension.mean()
     weights = apart / (apart**2).sum()
     law = law_draws(wrap_fit, "medium")
-    known = 9 * np.std(law["c1"] - 35 * law["c3"])
+    by_law = 9 * np.std(law["c1"] - 35 * law["c3"])
     # friction tilts the nominal tension by a hundredth of itself: left out
     by_assembly = mean_of(wrap_fit, "omega") * (weights @ friction)
     by_trial = mean_of(wrap_fit, "tau") * np.sqrt((weights**2) @ (friction**2))
     low, middle, high = chosen(lines, "cell", **key)["slope_again"].to_numpy()[0]
-    expected = np.sqrt(known**2 + by_assembly**2 + by_trial**2)
+    expected = np.sqrt(by_law**2 + by_assembly**2 + by_trial**2)
     assert (high - low) / TO_SD == pytest.approx(expected, rel=0.12)
     assert middle == pytest.approx(9 * np.median(law["c1"] - 35 * law["c3"]), rel=0.01)
 
@@ -117,22 +117,22 @@ def test_law_of_the_wrap_slope_is_n_times_tension_times_c3(wrap_fit):
     n, tension = wraps["n"].to_numpy(), wraps["tension"].to_numpy()
     for place, level in enumerate(wraps["level"].to_numpy()):
         expected = n[:, None] * level * c3
-        found = wraps["law_against_n"].isel(level=place).to_numpy()
-        assert found == pytest.approx(expected, rel=0.03, abs=1e-9)
+        law = wraps["law_against_n"].isel(level=place).to_numpy()
+        assert law == pytest.approx(expected, rel=0.03, abs=1e-9)
     for place, count in enumerate(wraps["count"].to_numpy()):
         expected = count * tension[:, None] * c3
-        found = wraps["law_against_tension"].isel(count=place).to_numpy()
-        assert found == pytest.approx(expected, rel=0.03, abs=1e-9)
+        law = wraps["law_against_tension"].isel(count=place).to_numpy()
+        assert law == pytest.approx(expected, rel=0.03, abs=1e-9)
 
 
 def test_a_recording_of_one_tension_has_no_lines_and_still_a_report():
     recording = simulate_recording(Protocol({(9, 85.0): 1}, (16.0,), (), 2), seed=3)
     recording = with_trials(recording, of_size(recording, "medium"))
-    found = fit(recording, Analysis(sampler=Sampler(burn=20, steps=80, thin=2, extensions=0)))
+    fitted = fit(recording, Analysis(sampler=Sampler(burn=20, steps=80, thin=2, extensions=0)))
     for group in ("tension_lines", "wrap_lines"):
-        assert not found.predictive[group].data_vars
+        assert not fitted.predictive[group].data_vars
     document = build_document(
-        StoredResults(StoredFit(found.summary, found.draws, found.predictive))
+        StoredResults(StoredFit(fitted.summary, fitted.draws, fitted.predictive))
     )
     labels = {block.label for block in document.every_block if isinstance(block, Figure)}
     assert "tension" in labels
@@ -201,12 +201,12 @@ def test_an_outlier_is_beyond_what_one_recording_in_twenty_has():
     limit = stats.norm.ppf(1 - 0.05 / 6)
     observed = np.array([12.0, 10 + 2 * (limit - 0.01), 10 - 2 * (limit + 0.01)])
     remade = remake(fake, {}, deviation, np.random.default_rng(0))
-    found = check_residuals("trial", remade, observed)
-    assert found["z"][1] == pytest.approx([1, limit - 0.01, -limit - 0.01], rel=1e-3)
-    assert found["z_limit"] == pytest.approx(limit)
-    assert found["outlier"][1].tolist() == [False, False, True]
-    assert found["covered_share"] == pytest.approx(1 / 3)
-    assert found["covered_expected"][1] == pytest.approx([2 / 3] * 3)
+    checked = check_residuals("trial", remade, observed)
+    assert checked["z"][1] == pytest.approx([1, limit - 0.01, -limit - 0.01], rel=1e-3)
+    assert checked["z_limit"] == pytest.approx(limit)
+    assert checked["outlier"][1].tolist() == [False, False, True]
+    assert checked["covered_share"] == pytest.approx(1 / 3)
+    assert checked["covered_expected"][1] == pytest.approx([2 / 3] * 3)
 
 
 def test_order_is_the_recorded_one_else_that_of_the_file():

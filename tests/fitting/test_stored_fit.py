@@ -56,16 +56,18 @@ def test_draws_say_what_was_tested_and_informed(small_fit, small_recording, tmp_
     attributes = read_tree(tmp_path / "draws.nc").attrs
     trials = small_recording.gravity.trials
     for size, coefficients in small_fit.summary.pulleys.items():
-        here = trials[trials["pulley_size"] == size]
+        trials_of_size = trials[trials["pulley_size"] == size]
         for key, column in (("n_pulleys", "n_pulleys"), ("wrap_angle_deg", "wrap_angle_deg")):
             low, high = attributes[f"tested.{size}.{key}"]
-            assert (low, high) == (here[column].min(), here[column].max())
+            assert (low, high) == (trials_of_size[column].min(), trials_of_size[column].max())
         # both masses hang in the cable: between their mean weight and a little beside it
         low, high = attributes[f"tested.{size}.tension_n"]
-        weight = 9.81 * (here["mass_drive_kg"] + here["mass_load_kg"]) / 2
+        weight = 9.81 * (trials_of_size["mass_drive_kg"] + trials_of_size["mass_load_kg"]) / 2
         assert low == pytest.approx(weight.min(), rel=0.05)
         assert high == pytest.approx(weight.max(), rel=0.05)
-        informed = " ".join(name for name, one in coefficients.items() if one.informed)
+        informed = " ".join(
+            name for name, coefficient in coefficients.items() if coefficient.informed
+        )
         assert attributes[f"informed.{size}"] == informed
 
 
@@ -130,8 +132,8 @@ def test_sensitivity_is_that_of_priors_and_likelihood(small_recording, small_fit
     ensembles, walkers = (getattr(small_fit.summary.sampler, n) for n in ("ensembles", "walkers"))
 
     def by_ensemble(values):  # smoothed weights depend on what counts as a chain
-        each = values.to_numpy().reshape(ensembles, walkers, -1)
-        return each.swapaxes(1, 2).ravel()
+        walks = values.to_numpy().reshape(ensembles, walkers, -1)
+        return walks.swapaxes(1, 2).ravel()
 
     theta = {n: by_ensemble(posterior[n]) for n in SCATTER_AND_NOISE}
     for size in likelihood.sizes:
@@ -153,7 +155,7 @@ def test_sensitivity_is_that_of_priors_and_likelihood(small_recording, small_fit
             of_likelihood = power_scaling(values, log_likelihood.reshape(ensembles, -1))
             assert entry.prior_sensitivity == pytest.approx(of_prior[0], rel=1e-6)
             assert entry.likelihood_sensitivity == pytest.approx(of_likelihood[0], rel=1e-6)
-    assert all(one.prior_sensitivity is None for one in small_fit.summary.scatter.values())
+    assert all(scatter.prior_sensitivity is None for scatter in small_fit.summary.scatter.values())
 
 
 @pytest.fixture(scope="module")

@@ -46,24 +46,24 @@ def spoilt(two_sizes, odd):
 
 
 @pytest.fixture(scope="module")
-def found(spoilt):
+def summary(spoilt):
     return bf.fit(spoilt, SHORT).summary
 
 
-def test_trials_that_disagree_lower_the_friction_of_their_size(found, spoilt, odd):
+def test_trials_that_disagree_lower_the_friction_of_their_size(summary, spoilt, odd):
     """One sensor of two in half of a size's trials: a quarter of what the sensors differ by."""
-    assert {entry.trial for entry in found.data_quality.excluded} == set(odd)
-    without = found.without_exclusions
-    assert found.without_exclusions_why is None
-    assert (found.data_quality.trials_used, without.trials_used) == (24, 32)
-    assert list(without.pulleys) == list(found.pulleys)
+    assert {entry.trial for entry in summary.data_quality.excluded} == set(odd)
+    without = summary.without_exclusions
+    assert summary.without_exclusions_why is None
+    assert (summary.data_quality.trials_used, without.trials_used) == (24, 32)
+    assert list(without.pulleys) == list(summary.pulleys)
     agreement = screen_trials(spoilt.gravity, spoilt.rig).agreement.trials.set_index("trial")
     share = agreement.loc[odd, "friction_share"].astype(float)
     moved = {
         size: (16 * without.pulleys[size]["c1"].mean + without.pulleys[size]["c2"].mean)
         / (16 * laws["c1"].mean + laws["c2"].mean)
         - 1
-        for size, laws in found.pulleys.items()
+        for size, laws in summary.pulleys.items()
     }
     assert -share.max() / 4 < moved.pop("medium") < -share.min() / 4
     assert all(abs(shift) < share.min() / 4 for shift in moved.values())
@@ -80,7 +80,7 @@ def test_a_gross_fault_is_noise_that_no_prior_expected(medium):
 
 
 @pytest.mark.nightly
-def test_it_is_the_fit_of_the_recording_that_has_no_rules(spoilt, found, monkeypatch):
+def test_it_is_the_fit_of_the_recording_that_has_no_rules(spoilt, summary, monkeypatch):
     """Number by number what the one code path gives where nothing is left out."""
     screen = trials.screen_trials
     monkeypatch.setattr(
@@ -88,20 +88,20 @@ def test_it_is_the_fit_of_the_recording_that_has_no_rules(spoilt, found, monkeyp
     )
     plain = bf.fit(spoilt, SHORT).summary
     assert plain.without_exclusions is None
-    for name, laws in found.without_exclusions.pulleys.items():
+    for name, laws in summary.without_exclusions.pulleys.items():
         for c, interval in laws.items():
             entry = plain.pulleys[name][c].model_dump(include={"mean", "sd", "q05", "q50", "q95"})
             assert interval.model_dump() == entry
-    assert found.without_exclusions.converged == plain.converged
+    assert summary.without_exclusions.converged == plain.converged
 
 
 @pytest.mark.nightly
-def test_the_trials_change_nothing_in_the_fit_without_them(found, spoilt, odd):
+def test_the_trials_change_nothing_in_the_fit_without_them(summary, spoilt, odd):
     gravity = spoilt.gravity
     trials = gravity.trials[~gravity.trials["trial"].isin(odd)].reset_index(drop=True)
     events = gravity.events[~gravity.events["trial"].isin(odd)].reset_index(drop=True)
     clean = bf.fit(dataclasses.replace(spoilt, gravity=Gravity(trials, events)), SHORT).summary
-    assert clean.pulleys == found.pulleys
+    assert clean.pulleys == summary.pulleys
     assert clean.without_exclusions is None
     assert clean.without_exclusions_why == "no trial was left out"
 

@@ -26,46 +26,50 @@ def main() -> int:
     minutes = parser.parse_args().minutes
     kept = evidence.read(NAME) if NAME in evidence.names() else {}
     kept = kept.get("figures", {}) if kept.get("version") == evidence.version() else {}
-    found = kept.get("mutants") or {kind: {"read": 0, "refused": 0, "faults": {}} for kind in KINDS}
+    mutants = kept.get("mutants") or {
+        kind: {"read": 0, "refused": 0, "faults": {}} for kind in KINDS
+    }
     before = kept.get("peak_mib", 0)
     ends = time.process_time() + 60 * minutes
     while time.process_time() < ends:
         # The kind that is furthest behind its share.
-        kind = min(KINDS, key=lambda one: done(found[one]) / WHOLE[one])
-        if done(found[kind]) >= WHOLE[kind]:
+        kind = min(KINDS, key=lambda name: done(mutants[name]) / WHOLE[name])
+        if done(mutants[kind]) >= WHOLE[kind]:
             break
-        seed, held = done(found[kind]), peak_mib()
+        seed, held = done(mutants[kind]), peak_mib()
         try:
             said = outcome(kind, seed)
             if held <= PEAK_MIB < peak_mib():
                 raise MemoryError(f"{peak_mib()} MiB")
-            found[kind][said] += 1
+            mutants[kind][said] += 1
         except Exception as error:
-            found[kind]["faults"][str(seed)] = f"{type(error).__name__}: {error}"[:200]
+            mutants[kind]["faults"][str(seed)] = f"{type(error).__name__}: {error}"[:200]
             sys.stdout.write(f"{kind} {seed}: {error!r}\n")
         if seed % 500 == 0:
-            save(found, before)
-    save(found, before)
-    for kind, one in found.items():
-        sys.stdout.write(f"{kind}: {done(one)} of {WHOLE[kind]}, {len(one['faults'])} faults\n")
-    return 1 if any(one["faults"] for one in found.values()) else 0
+            save(mutants, before)
+    save(mutants, before)
+    for kind, counts in mutants.items():
+        sys.stdout.write(
+            f"{kind}: {done(counts)} of {WHOLE[kind]}, {len(counts['faults'])} faults\n"
+        )
+    return 1 if any(counts["faults"] for counts in mutants.values()) else 0
 
 
-def done(one: dict) -> int:
-    return one["read"] + one["refused"] + len(one["faults"])
+def done(counts: dict) -> int:
+    return counts["read"] + counts["refused"] + len(counts["faults"])
 
 
 def peak_mib() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
 
 
-def save(found: dict, before: int) -> None:
+def save(mutants: dict, before: int) -> None:
     gathered = evidence.Gathered(
-        seeds=[0, max(done(one) for one in found.values()) - 1],
-        figures={"mutants": found, "peak_mib": max(before, peak_mib())},
-        cases={kind: one["faults"] for kind, one in found.items()},
+        seeds=[0, max(done(counts) for counts in mutants.values()) - 1],
+        figures={"mutants": mutants, "peak_mib": max(before, peak_mib())},
+        cases={kind: counts["faults"] for kind, counts in mutants.items()},
         command="make fuzz",
-        complete=all(done(one) >= WHOLE[kind] for kind, one in found.items()),
+        complete=all(done(counts) >= WHOLE[kind] for kind, counts in mutants.items()),
     )
     evidence.write(NAME, sys.modules[__name__], gathered)
 
@@ -73,7 +77,10 @@ def save(found: dict, before: int) -> None:
 def promises(figures: dict) -> list[Outcome]:
     """Return what was promised beside what was found."""
     mutants = figures["mutants"].values()
-    faults, number = sum(len(one["faults"]) for one in mutants), sum(done(one) for one in mutants)
+    faults, number = (
+        sum(len(counts["faults"]) for counts in mutants),
+        sum(done(counts) for counts in mutants),
+    )
     return [
         rate("an altered file is neither read nor refused", faults, number, most=0),
         Outcome("most memory of the process, MiB", figures["peak_mib"], most=PEAK_MIB),

@@ -15,9 +15,9 @@ CASES = {"recording": 40, "toml": 100, "json": 100, "netcdf": 30}
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_mutants_are_read_or_refused(kind):
-    found = [outcome(kind, seed) for seed in range(CASES[kind])]
-    assert set(found) <= {"read", "refused"}
-    assert found.count("refused") > len(found) / 2  # most are past reading
+    outcomes = [outcome(kind, seed) for seed in range(CASES[kind])]
+    assert set(outcomes) <= {"read", "refused"}
+    assert outcomes.count("refused") > len(outcomes) / 2  # most are past reading
 
 
 def test_a_fault_and_a_hang_are_noticed(monkeypatch):
@@ -47,8 +47,10 @@ def test_a_refusal_of_many_lines_is_noticed(monkeypatch):
 
 
 def test_the_campaign_found_no_fault():
-    found = evidence.read("fuzz")["figures"]["mutants"]
-    assert {kind: one["faults"] for kind, one in found.items()} == {kind: {} for kind in KINDS}
+    counts_by_kind = evidence.read("fuzz")["figures"]["mutants"]
+    assert {kind: counts["faults"] for kind, counts in counts_by_kind.items()} == {
+        kind: {} for kind in KINDS
+    }
 
 
 def test_a_mutant_that_takes_too_much_memory_is_noticed(monkeypatch):
@@ -67,7 +69,7 @@ def test_a_mutant_that_takes_too_much_memory_is_noticed(monkeypatch):
     for kind in KINDS:
         monkeypatch.setitem(KINDS, kind, greedy)
     assert campaign.main() == 1
-    faults = [len(one["faults"]) for one in written[-1].figures["mutants"].values()]
+    faults = [len(counts["faults"]) for counts in written[-1].figures["mutants"].values()]
     assert faults == [1, 0, 0, 0]
 
 

@@ -27,19 +27,19 @@ def room_of(parts: tuple[str, ...]) -> str:
 def imports_of(package: Path, file: Path) -> list[Import]:
     """Return every import statement of a file, made absolute."""
     relative = file.relative_to(package)
-    here = ("bayesfric", *relative.parts[:-1])
-    found = []
+    location = ("bayesfric", *relative.parts[:-1])
+    imports = []
 
     def visit(node: ast.AST, at_once: bool) -> None:
         if isinstance(node, ast.Import):
             modules = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            start = ".".join(here[: len(here) - node.level + 1]) if node.level else ""
+            start = ".".join(location[: len(location) - node.level + 1]) if node.level else ""
             stem = ".".join(part for part in (start, node.module) if part)
             modules = [f"{stem}.{alias.name}" for alias in node.names]
         else:
             modules = []
-        found.extend(Import(relative, node.lineno, module, at_once) for module in modules)
+        imports.extend(Import(relative, node.lineno, module, at_once) for module in modules)
         if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
             at_once = False
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
@@ -48,4 +48,4 @@ def imports_of(package: Path, file: Path) -> list[Import]:
             visit(child, at_once)
 
     visit(ast.parse(file.read_text(encoding="utf-8")), at_once=True)
-    return found
+    return imports

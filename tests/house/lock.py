@@ -28,11 +28,11 @@ def entries():
     """Return every package of the lock, in its order."""
     text = (ROOT / "requirements.lock").read_text(encoding="utf-8")
     lines = text.replace("\\\n", " ").splitlines()
-    found = []
+    pinned = []
     for line in lines:
         requirement, *options = re.split(r"\s+(?=--)", line.strip())
-        found.append(Entry(Requirement(requirement), tuple(options)))
-    return found
+        pinned.append(Entry(Requirement(requirement), tuple(options)))
+    return pinned
 
 
 def pins():

@@ -53,5 +53,5 @@ def test_the_index_has_each_page_by_its_title():
 def test_a_page_has_context_decision_and_consequence(page):
     """As headings, or in bold where a page has several decisions."""
     text = page.read_text(encoding="utf-8")
-    told = re.findall(r"^(?:## |- \*\*)([\w ]+)", text, flags=re.MULTILINE)
-    assert {"Context", "Decision", "Consequence", "Where"} <= set(told)
+    headings = re.findall(r"^(?:## |- \*\*)([\w ]+)", text, flags=re.MULTILINE)
+    assert {"Context", "Decision", "Consequence", "Where"} <= set(headings)

@@ -121,34 +121,34 @@ def broken_rules(package: Path) -> list[str]:
         if room not in LEVEL:
             wrong.append(f"{file.relative_to(package)}: belongs to no room")
             continue
-        for found in imports_of(package, file):
-            place = f"{found.file}:{found.line}"
-            library, *rest = found.module.split(".")
+        for imported in imports_of(package, file):
+            place = f"{imported.file}:{imported.line}"
+            library, *rest = imported.module.split(".")
             if library == "bayesfric":
                 other = room_of(tuple(rest)) if rest else "__init__"
                 # `from bayesfric import x`, where x is no room, is a public name of __init__.
                 other = other if other in LEVEL else "__init__"
-                wrong.extend(f"{place}: {fault}" for fault in _inside(found, room, other, rest))
+                wrong.extend(f"{place}: {fault}" for fault in _inside(imported, room, other, rest))
                 if room != other:
                     between[room, other] = place
             elif library not in sys.stdlib_module_names:
-                wrong.extend(f"{place}: {fault}" for fault in _outside(found, room, library))
+                wrong.extend(f"{place}: {fault}" for fault in _outside(imported, room, library))
     for (room, other), place in between.items():
         if (other, room) in between and LEVEL[room] == LEVEL[other]:
             wrong.append(f"{place}: {room} and {other} import each other")
     return wrong
 
 
-def _inside(found: Import, room: str, other: str, rest: list[str]) -> list[str]:
+def _inside(imported: Import, room: str, other: str, rest: list[str]) -> list[str]:
     faults = []
     if room in LEVEL and LEVEL[other] > LEVEL[room]:
         faults.append(f"{room} imports {other}, which is below it")
     if room in ONLY and other not in ONLY[room] | BASE | {room}:
         faults.append(f"{room} imports {other}")
-    if room == "__init__" and found.at_once and other != "__init__":
+    if room == "__init__" and imported.at_once and other != "__init__":
         faults.append(f"__init__ imports {other} at once, and is to be lazy")
     if room == other == "effects":
-        own, effect = found.file.stem, rest[1] if len(rest) > 1 else "__init__"
+        own, effect = imported.file.stem, rest[1] if len(rest) > 1 else "__init__"
         file = Path(bayesfric.__file__).parent / "effects" / f"{effect}.py"
         is_effect = effect not in SHARED_BY_EFFECTS and not effect.startswith("_")
         if own not in SHARED_BY_EFFECTS and is_effect and effect != own and file.exists():
@@ -156,11 +156,11 @@ def _inside(found: Import, room: str, other: str, rest: list[str]) -> list[str]:
     return faults
 
 
-def _outside(found: Import, room: str, library: str) -> list[str]:
+def _outside(imported: Import, room: str, library: str) -> list[str]:
     faults = []
     if library in OWNERS and room not in OWNERS[library]:
         faults.append(f"{room} imports {library}")
-    if library in INSIDE_FUNCTIONS and found.at_once:
+    if library in INSIDE_FUNCTIONS and imported.at_once:
         faults.append(f"{library} is imported at once, and is to be imported inside a function")
     if room in ONLY_LIBRARIES and library not in ONLY_LIBRARIES[room]:
         faults.append(f"{room} imports {library}")

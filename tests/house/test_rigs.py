@@ -24,7 +24,7 @@ def names_of_rigs():
 
 def naming(source, names):
     """Return what names a rig: identifiers, attributes, whole strings and imports."""
-    found = []
+    named = []
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Name):
             said = [node.id]
@@ -40,8 +40,8 @@ def naming(source, names):
             said = [part for alias in node.names for part in alias.name.split(".")]
         else:
             continue
-        found += [f"{node.lineno}: {word}" for word in said if word in names]
-    return found
+        named += [f"{node.lineno}: {word}" for word in said if word in names]
+    return named
 
 
 def modules():
@@ -54,8 +54,8 @@ def modules():
 def test_no_module_names_a_rig():
     names = names_of_rigs()
     assert {"gravity", "gravity_board", "motor", "motor_board"} <= names
-    found = {place: naming(file.read_text("utf-8"), names) for place, file in modules()}
-    assert {place: said for place, said in found.items() if said} == {}
+    named = {place: naming(file.read_text("utf-8"), names) for place, file in modules()}
+    assert {place: said for place, said in named.items() if said} == {}
 
 
 @pytest.mark.parametrize(

@@ -25,20 +25,20 @@ UNFINISHED = re.compile(rb"\b(?:TO[D]O|FIX[M]E|XX[X])\b")
 
 def project_files():
     """Every file of the project, tracked or about to be."""
-    found = []
+    paths = []
     for folder, names, files in os.walk(ROOT):
-        here = Path(folder)
+        directory = Path(folder)
         names[:] = [
             name
             for name in names
             if (not name.startswith(".") or name in HIDDEN_BUT_OURS)
             and name not in MADE_BY_TOOLS
             and not name.endswith(".egg-info")
-            and not (here / name / "pyvenv.cfg").exists()
-            and here / name != ROOT / "reports" / "latest"
+            and not (directory / name / "pyvenv.cfg").exists()
+            and directory / name != ROOT / "reports" / "latest"
         ]
-        found += [here / name for name in files if name != ".git"]  # of a linked work tree
-    return sorted(found)
+        paths += [directory / name for name in files if name != ".git"]  # of a linked work tree
+    return sorted(paths)
 
 
 def files_with(pattern):

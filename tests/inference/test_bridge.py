@@ -9,7 +9,7 @@ from bayesfric.inference.evidence.record import SeparatedModes
 
 
 @pytest.mark.parametrize(
-    "known",
+    "density",
     [
         densities.log_gammas(2),
         densities.student(2),
@@ -21,29 +21,29 @@ from bayesfric.inference.evidence.record import SeparatedModes
         densities.conjugate(1),
     ],
 )
-def test_the_known_answers_are_right(known):
+def test_the_known_answers_are_right(density):
     """What the other tests compare with, against the trapezoidal rule.
 
     On the hyperbolic sine of a grid around the mode it converges exponentially and
     reaches as far as any of the tails.
     """
-    peak = known.laplace()
+    peak = density.laplace()
     grid = np.linspace(-8, 8, 1001)
-    axes = np.meshgrid(*[grid] * known.size)
+    axes = np.meshgrid(*[grid] * density.size)
     points = np.stack([axis.ravel() for axis in axes], axis=-1)
-    log_density = known.log_density(peak.mode + np.sinh(points)) - peak.log_density
+    log_density = density.log_density(peak.mode + np.sinh(points)) - peak.log_density
     total = (np.exp(log_density) * np.cosh(points).prod(axis=1)).sum()
-    found = np.log(total) + known.size * np.log(grid[1] - grid[0]) + peak.log_density
-    assert found == pytest.approx(known.log_evidence, abs=1e-10)
+    log_integral = np.log(total) + density.size * np.log(grid[1] - grid[0]) + peak.log_density
+    assert log_integral == pytest.approx(density.log_evidence, abs=1e-10)
 
 
 @pytest.mark.parametrize("size", [5, 12])
 def test_conjugate_model_from_real_chains(size):
-    known = densities.conjugate(size)
-    found = bridge_evidence(known.log_density, known.chains(1), 2)
-    assert found.error <= 0.02
-    assert abs(found.log_evidence - known.log_evidence) < 3 * found.error
-    assert found.method == "bridge sampling"
+    density = densities.conjugate(size)
+    bridge = bridge_evidence(density.log_density, density.chains(1), 2)
+    assert bridge.error <= 0.02
+    assert abs(bridge.log_evidence - density.log_evidence) < 3 * bridge.error
+    assert bridge.method == "bridge sampling"
 
 
 def test_flat_likelihood_leaves_the_prior():
@@ -53,21 +53,21 @@ def test_flat_likelihood_leaves_the_prior():
         return 11.0 - 0.5 * (np.log(2 * np.pi) + z**2).sum(axis=1)
 
     draws = np.random.default_rng(1).standard_normal((4, 60, 30, 3))
-    found = bridge_evidence(log_density, draws, 1)
-    assert found.error < 0.005
-    assert abs(found.log_evidence - 11.0) < 3 * found.error
+    bridge = bridge_evidence(log_density, draws, 1)
+    assert bridge.error < 0.005
+    assert abs(bridge.log_evidence - 11.0) < 3 * bridge.error
 
 
 def test_one_dimension():
     draws = np.random.default_rng(2).standard_normal((4, 60, 30, 1))
-    found = bridge_evidence(lambda z: -0.5 * z[:, 0] ** 2, draws, 1)
-    assert abs(found.log_evidence - 0.5 * np.log(2 * np.pi)) < 3 * found.error
+    bridge = bridge_evidence(lambda z: -0.5 * z[:, 0] ** 2, draws, 1)
+    assert abs(bridge.log_evidence - 0.5 * np.log(2 * np.pi)) < 3 * bridge.error
 
 
 def test_a_constant_moves_the_answer_by_itself_only():
-    known, draws = densities.banana(3), densities.banana(3).chains(3)
-    plain = bridge_evidence(known.log_density, draws, 4)
-    moved = bridge_evidence(lambda z: known.log_density(z) + 175_000.0, draws, 4)
+    density, draws = densities.banana(3), densities.banana(3).chains(3)
+    plain = bridge_evidence(density.log_density, draws, 4)
+    moved = bridge_evidence(lambda z: density.log_density(z) + 175_000.0, draws, 4)
     assert moved.log_evidence - plain.log_evidence == pytest.approx(175_000.0, abs=1e-8)
     assert moved.error == pytest.approx(plain.error, rel=1e-6)
 
@@ -79,32 +79,32 @@ def test_density_with_an_edge():
         return np.where((z > 0).all(axis=1), -0.5 * (z**2).sum(axis=1), -np.inf)
 
     draws = np.abs(np.random.default_rng(3).standard_normal((4, 60, 30, 2)))
-    found = bridge_evidence(log_density, draws, 5)
-    assert abs(found.log_evidence - np.log(np.pi / 2)) < 3 * found.error
+    bridge = bridge_evidence(log_density, draws, 5)
+    assert abs(bridge.log_evidence - np.log(np.pi / 2)) < 3 * bridge.error
 
 
 def test_walkers_that_move_together_count_once():
     """Three walkers ten times over say no more than three, and the error knows."""
-    known = densities.log_gammas(1)
+    density = densities.log_gammas(1)
 
     def log_density(z):
-        return sum(known.log_density(column[:, None]) for column in z.T)
+        return sum(density.log_density(column[:, None]) for column in z.T)
 
     ratios = []
     for seed in range(100):
         draws = np.log(np.random.default_rng(seed).gamma(3.0, size=(4, 60, 3, 3)))
-        found = bridge_evidence(log_density, np.tile(draws, (1, 1, 10, 1)), seed)
-        ratios.append((found.log_evidence - 3 * known.log_evidence) / found.error)
+        bridge = bridge_evidence(log_density, np.tile(draws, (1, 1, 10, 1)), seed)
+        ratios.append((bridge.log_evidence - 3 * density.log_evidence) / bridge.error)
     assert 0.8 < np.sqrt(np.mean(np.square(ratios))) < 1.3
 
 
 def test_one_seed_one_result_and_the_density_is_cheap():
-    known = densities.log_gammas(4)
-    draws, points = known.chains(5), []
+    density = densities.log_gammas(4)
+    draws, points = density.chains(5), []
 
     def counted(z):
         points.append(len(z))
-        return known.log_density(z)
+        return density.log_density(z)
 
     first, again, other = (bridge_evidence(counted, draws, seed) for seed in (1, 1, 2))
     assert first == again

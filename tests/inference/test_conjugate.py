@@ -35,8 +35,8 @@ def test_two_coefficients_by_quadrature():
     grid = np.linspace(-9, 9, 91)  # the trapezoidal rule of a normal is exact to rounding
     points = np.stack([axis.ravel() for axis in np.meshgrid(grid, grid)], axis=-1)
     total = joint(mean + points @ root.T).sum()
-    found = np.log(total * np.linalg.det(root) * (grid[1] - grid[0]) ** 2)
-    assert MODEL.log_evidence(MEASURED) == pytest.approx(found, abs=1e-10)
+    log_evidence = np.log(total * np.linalg.det(root) * (grid[1] - grid[0]) ** 2)
+    assert MODEL.log_evidence(MEASURED) == pytest.approx(log_evidence, abs=1e-10)
 
 
 def test_posterior_is_evidence_times_density():
@@ -58,8 +58,8 @@ def test_conditionals_are_those_of_the_joint_normal():
         gain @ MEASURED[rest],
         covariance[np.ix_(group, group)] - gain @ covariance[np.ix_(rest, group)],
     )
-    found = MODEL.log_conditional(MEASURED, group)
-    assert found == pytest.approx(conditional.logpdf(MEASURED[group]), abs=1e-12)
+    log_conditional = MODEL.log_conditional(MEASURED, group)
+    assert log_conditional == pytest.approx(conditional.logpdf(MEASURED[group]), abs=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -45,8 +45,8 @@ def test_independent_draws_count_in_full():
 
 def test_autocorrelated_draws_count_less():
     # The ESS of an AR(1) is N (1 − ρ)/(1 + ρ): a ninth at ρ = 0.8.
-    found = [batch_means_ess(autoregressive(0.8, (4, 2000, 20), s)) for s in range(10)]
-    assert np.mean(found) == pytest.approx(4 * 2000 * 20 / 9, rel=0.25)
+    ess = [batch_means_ess(autoregressive(0.8, (4, 2000, 20), s)) for s in range(10)]
+    assert np.mean(ess) == pytest.approx(4 * 2000 * 20 / 9, rel=0.25)
 
 
 def test_walkers_that_move_together_are_not_independent():
@@ -77,14 +77,14 @@ def test_a_stuck_walker_shows_walker_wise():
 @pytest.mark.parametrize("rho", [0.0, 0.8])
 def test_walkers_r_hat_is_of_their_places_alone(rho):
     """A place of variance v has R-hat √(1 + v), though a half has 40 draws or 4 effective ones."""
-    found, apart = [], []
+    r_hats, apart = [], []
     for seed in range(10):
         draws = autoregressive(rho, (4, 80, 40), 20 + seed)
         place = np.random.default_rng(seed).standard_normal((4, 1, 40))
-        found.append(walkers_r_hat(draws))
+        r_hats.append(walkers_r_hat(draws))
         apart.append(walkers_r_hat(draws + np.sqrt(0.3) * place))
     # Halves meet: their means share ρ/(1 − ρ)² / 40² of a variance, 0.0125 at ρ = 0.8.
-    assert np.mean(found) == pytest.approx(1 + 0.5 * rho / (1 - rho) ** 2 / 1600, abs=0.004)
+    assert np.mean(r_hats) == pytest.approx(1 + 0.5 * rho / (1 - rho) ** 2 / 1600, abs=0.004)
     assert np.mean(apart) == pytest.approx(np.sqrt(1.3), abs=0.03)
 
 
@@ -207,11 +207,11 @@ def test_weights_that_span_the_range_of_doubles_are_not_relied_on(span):
 def test_power_scaling_tells_data_from_prior():
     """A coefficient that the data tell about, and one that only its prior does."""
     rng = np.random.default_rng(14)
-    known = rng.normal(0.5, 0.1, (4, 2000))  # prior N(0, 10), measured with N(0, 0.1)
+    measured = rng.normal(0.5, 0.1, (4, 2000))  # prior N(0, 10), measured with N(0, 0.1)
     guessed = rng.normal(0.0, 1.0, (4, 2000))  # prior N(0, 1), not measured
-    values = np.stack([known, guessed], axis=-1)
-    prior = -0.5 * ((known / 10) ** 2 + guessed**2)
-    likelihood = -0.5 * ((known - 0.5) / 0.1) ** 2
+    values = np.stack([measured, guessed], axis=-1)
+    prior = -0.5 * ((measured / 10) ** 2 + guessed**2)
+    likelihood = -0.5 * ((measured - 0.5) / 0.1) ** 2
     of_prior, of_likelihood = power_scaling(values, prior), power_scaling(values, likelihood)
     assert of_prior[1] > 0.05 > of_prior[0]
     assert of_likelihood[0] > 0.05 > of_likelihood[1]

@@ -22,12 +22,12 @@ def exact(precision, slope, mixing, groups):
     readings = np.linalg.solve(design.T, slope)
     design = design @ mixing
     logs, means, seconds = [], [], []
-    for chosen in product(*(range(one.sizes.size) for one in groups)):
+    for chosen in product(*(range(sized.sizes.size) for sized in groups)):
         variance = np.zeros(mixing.shape[1])
         log = 0.0
-        for one, number in zip(groups, chosen, strict=True):
-            variance[one.places] = one.sizes[number] ** 2
-            log += one.log_weights[number]
+        for sized, number in zip(groups, chosen, strict=True):
+            variance[sized.places] = sized.sizes[number] ** 2
+            log += sized.log_weights[number]
         spread = np.eye(readings.size) + (design * variance) @ design.T
         log += multivariate_normal.logpdf(readings, np.zeros(readings.size), spread)
         gain = variance[:, None] * design.T @ np.linalg.inv(spread)
@@ -63,14 +63,14 @@ def test_draws_are_those_of_all_combinations_of_sizes():
 
 def test_one_large_group_among_many_small_ones_is_not_shrunk_to_their_size():
     """Apart in the data, each group has its closed form, whatever sizes the others have."""
-    count, told, sizes = 30, np.full(30, 400.0), np.array([0.1, 1.0])
+    count, precision, sizes = 30, np.full(30, 400.0), np.array([0.1, 1.0])
     slope = np.zeros(count)
-    slope[0] = told[0] * 0.4
+    slope[0] = precision[0] * 0.4
     groups = [group([place], sizes) for place in range(count)]
     drawn = drawn_in_groups(
-        np.diag(told), slope, np.eye(count), groups, DRAWS, np.random.default_rng(1)
+        np.diag(precision), slope, np.eye(count), groups, DRAWS, np.random.default_rng(1)
     )
-    spread2 = 1 / told[0] + sizes**2
+    spread2 = 1 / precision[0] + sizes**2
     chance = np.exp(-0.5 * 0.4**2 / spread2) / np.sqrt(spread2)
     expected = (chance / chance.sum()) @ (0.4 * sizes**2 / spread2)
     assert expected > 0.39

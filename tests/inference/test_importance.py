@@ -11,33 +11,33 @@ from bayesfric.inference.laplace import Laplace, laplace_approximation
 
 
 @pytest.mark.parametrize(
-    "known",
+    "density",
     [densities.conjugate(5), densities.conjugate(12), densities.log_gammas(5)],
     ids=["conjugate 5", "conjugate 12", "skewed"],
 )
-def test_known_integrals(known):
-    found, draws = importance_draws(known.log_density, known.laplace(), 1)
-    assert found.pareto_k < 0.7
-    assert found.error < np.sqrt(3 / 4000)  # a quarter of the sample counts
-    assert abs(found.log_evidence - known.log_evidence) < 3 * found.error
-    assert draws.shape == (4000, known.size)
+def test_known_integrals(density):
+    estimate, draws = importance_draws(density.log_density, density.laplace(), 1)
+    assert estimate.pareto_k < 0.7
+    assert estimate.error < np.sqrt(3 / 4000)  # a quarter of the sample counts
+    assert abs(estimate.log_evidence - density.log_evidence) < 3 * estimate.error
+    assert draws.shape == (4000, density.size)
 
 
-@pytest.mark.parametrize("known", [densities.log_gammas(5), densities.student(4, freedom=8.0)])
-def test_errors_are_as_large_as_reported(known):
-    laplace = known.laplace()
-    found = [importance_draws(known.log_density, laplace, seed)[0] for seed in range(100)]
-    ratio = [(f.log_evidence - known.log_evidence) / f.error for f in found]
+@pytest.mark.parametrize("density", [densities.log_gammas(5), densities.student(4, freedom=8.0)])
+def test_errors_are_as_large_as_reported(density):
+    laplace = density.laplace()
+    estimates = [importance_draws(density.log_density, laplace, seed)[0] for seed in range(100)]
+    ratio = [(f.log_evidence - density.log_evidence) / f.error for f in estimates]
     assert 0.8 < np.sqrt(np.mean(np.square(ratio))) < 1.3
 
 
 def test_a_proposal_that_is_far_off_is_fitted_anew():
-    known, laplace = densities.conjugate(4), densities.conjugate(4).laplace()
+    density, laplace = densities.conjugate(4), densities.conjugate(4).laplace()
     root = np.sqrt(np.diag(laplace.covariance))
     off = Laplace(laplace.mode + 1.5 * root, 0.3 * laplace.covariance, laplace.log_density)
-    found = importance_draws(known.log_density, off, 1)[0]
-    assert found.error < np.sqrt(3 / 4000)  # a quarter of the sample counts
-    assert abs(found.log_evidence - known.log_evidence) < 3 * found.error
+    estimate = importance_draws(density.log_density, off, 1)[0]
+    assert estimate.error < np.sqrt(3 / 4000)  # a quarter of the sample counts
+    assert abs(estimate.log_evidence - density.log_evidence) < 3 * estimate.error
 
 
 def test_the_integral_is_the_same_in_another_chart():
@@ -48,14 +48,14 @@ def test_the_integral_is_the_same_in_another_chart():
     assert plain != bent
     # e^(2z − e^z) integrates to Γ(2); the ridge of −z²/2 − ((w − z)/0.1)²/2 to 0.1 · 2π.
     expected = float(gammaln(2.0)) + np.log(0.1 * 2 * np.pi)
-    for found in (plain, bent):
-        assert abs(found.log_evidence - expected) < 3 * found.error
+    for estimate in (plain, bent):
+        assert abs(estimate.log_evidence - expected) < 3 * estimate.error
 
 
 def test_draws_have_the_moments_of_the_density():
-    known = densities.conjugate(5)
-    laplace = known.laplace()
-    draws = importance_draws(known.log_density, laplace, 3)[1]
+    density = densities.conjugate(5)
+    laplace = density.laplace()
+    draws = importance_draws(density.log_density, laplace, 3)[1]
     error = np.sqrt(np.diag(laplace.covariance) / 2000)  # at least half of the points count
     assert np.abs((draws.mean(axis=0) - laplace.mode) / error).max() < 4
     assert draws.std(axis=0) == pytest.approx(np.sqrt(np.diag(laplace.covariance)), rel=0.07)
@@ -76,8 +76,8 @@ def test_no_density_around_the_mode_gives_no_evidence():
 
 
 def test_one_seed_one_result():
-    known, laplace = densities.log_gammas(3), densities.log_gammas(3).laplace()
-    first, again, other = (importance_draws(known.log_density, laplace, s)[0] for s in (1, 1, 2))
+    density, laplace = densities.log_gammas(3), densities.log_gammas(3).laplace()
+    first, again, other = (importance_draws(density.log_density, laplace, s)[0] for s in (1, 1, 2))
     assert first == again
     assert first != other
 
@@ -91,7 +91,7 @@ def test_many_numbers_take_a_larger_sample():
         return (shape * z - np.exp(z) - gammaln(shape)).sum(axis=1)
 
     assert importance_draws(log_density, laplace, 1, least_effective=0.1) is None
-    found, draws = importance_draws(log_density, laplace, 1, least_effective=0.1, points=4000)
-    assert abs(found.log_evidence) < 3 * found.error
+    estimate, draws = importance_draws(log_density, laplace, 1, least_effective=0.1, points=4000)
+    assert abs(estimate.log_evidence) < 3 * estimate.error
     off = (draws.mean(axis=0) - digamma(shape)) / np.sqrt(polygamma(1, shape))
-    assert np.abs(off).max() < 4 * np.hypot(found.error, 1 / np.sqrt(4000))
+    assert np.abs(off).max() < 4 * np.hypot(estimate.error, 1 / np.sqrt(4000))

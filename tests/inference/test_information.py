@@ -11,10 +11,10 @@ def test_information_that_is_as_large_as_it_likes_can_be_integrated(size):
     """Two numbers of which the data tell one sum: the other keeps its prior's width."""
     rng = np.random.default_rng(0)
     tell = rng.standard_normal((3, 6)) * np.sqrt(size)
-    found = Information(tell.T @ tell, np.zeros(6), 0.0)
-    value, mean, covariance = found.integrated(np.zeros(6), np.ones(6))
+    information = Information(tell.T @ tell, np.zeros(6), 0.0)
+    value, mean, covariance = information.integrated(np.zeros(6), np.ones(6))
     assert np.isfinite(value)
     assert np.all(mean == 0)
     assert np.all(np.diag(covariance) > 0)
-    reduced = found.reduced(np.zeros(6), np.full(6, 1e3), np.array([5]))
+    reduced = information.reduced(np.zeros(6), np.full(6, 1e3), np.array([5]))
     assert np.isfinite(reduced.precision).all()

@@ -20,19 +20,21 @@ def gaussian(points):
 
 
 def test_gaussian_is_found_exactly_from_afar():
-    found = laplace_approximation(gaussian, np.array([30.0, 40.0, -1.0]), np.ones(3))
-    assert found.log_density == pytest.approx(7.0, abs=1e-4)
-    assert found.covariance == pytest.approx(np.linalg.inv(PRECISION), rel=1e-4)
-    off = found.mode - MODE
+    laplace = laplace_approximation(gaussian, np.array([30.0, 40.0, -1.0]), np.ones(3))
+    assert laplace.log_density == pytest.approx(7.0, abs=1e-4)
+    assert laplace.covariance == pytest.approx(np.linalg.inv(PRECISION), rel=1e-4)
+    off = laplace.mode - MODE
     assert off @ PRECISION @ off < 1e-4
 
 
 def test_skewed_density_gives_mode_and_curvature():
     # log of a gamma(5, 1) variable: density e^{5z − e^z}, mode log 5, curvature 5.
-    found = laplace_approximation(lambda z: (5 * z - np.exp(z))[:, 0], np.array([-3.0]), np.ones(1))
+    laplace = laplace_approximation(
+        lambda z: (5 * z - np.exp(z))[:, 0], np.array([-3.0]), np.ones(1)
+    )
     # Central differences over a step h = 0.2/√5 move the mode by h²/6.
-    assert found.mode[0] == pytest.approx(np.log(5.0) - 0.04 / 5 / 6, abs=2e-4)
-    assert found.covariance[0, 0] == pytest.approx(0.2, rel=0.02)
+    assert laplace.mode[0] == pytest.approx(np.log(5.0) - 0.04 / 5 / 6, abs=2e-4)
+    assert laplace.covariance[0, 0] == pytest.approx(0.2, rel=0.02)
 
 
 def test_hessian_of_a_correlated_density():

@@ -78,24 +78,24 @@ def case():
 
 
 @pytest.fixture(scope="module")
-def found(case):
+def loo(case):
     return elpd(case.log_likelihood())
 
 
-def test_each_group_is_as_in_an_exact_refit(case, found):
+def test_each_group_is_as_in_an_exact_refit(case, loo):
     exact = np.array([case.exact(group) for group in range(GROUPS)])
-    assert found.reliable
-    assert found.pointwise == pytest.approx(exact, abs=0.05)
-    assert found.total == pytest.approx(exact.sum(), abs=0.15)
-    assert found.se == pytest.approx(np.sqrt(GROUPS * exact.var(ddof=1)), rel=0.03)
+    assert loo.reliable
+    assert loo.pointwise == pytest.approx(exact, abs=0.05)
+    assert loo.total == pytest.approx(exact.sum(), abs=0.15)
+    assert loo.se == pytest.approx(np.sqrt(GROUPS * exact.var(ddof=1)), rel=0.03)
 
 
-def test_what_saw_the_data_would_be_too_good(case, found):
+def test_what_saw_the_data_would_be_too_good(case, loo):
     """Without weights the draws have seen each group; the weights undo that."""
     exact = sum(case.exact(group) for group in range(GROUPS))
     log_likelihood = case.log_likelihood()
     seen = (np.logaddexp.reduce(log_likelihood, axis=0) - np.log(DRAWS)).sum()
-    assert abs(found.total - exact) < 0.2 * (seen - exact)
+    assert abs(loo.total - exact) < 0.2 * (seen - exact)
 
 
 def test_bad_groups_are_refitted():
@@ -143,15 +143,15 @@ def test_draws_without_a_group_have_its_exact_posterior():
 
     mode, seen = posterior.mean, posterior.cov
     refit = refit_without(log_density, conditional, mode, np.full(2, 2.0), 1)
-    found = refit.draws
+    draws = refit.draws
     rest = case.of != 0
     noise = case.model.noise[np.ix_(rest, rest)]
     without = LinearGaussian(design[rest], case.model.prior_sd, noise)
     mean, covariance = without.posterior(case.measured[rest])
     assert abs(mean - mode)[1] > 1.5 * np.sqrt(seen[1, 1])  # all data would mislead
-    assert found.mean(axis=0) == pytest.approx(mean, abs=4 * np.sqrt(covariance.max() / 1000))
-    assert np.cov(found.T) == pytest.approx(covariance, rel=0.15, abs=0.02 * covariance.max())
-    value, error = bridge_ratio(conditional(case.draws), conditional(found))
+    assert draws.mean(axis=0) == pytest.approx(mean, abs=4 * np.sqrt(covariance.max() / 1000))
+    assert np.cov(draws.T) == pytest.approx(covariance, rel=0.15, abs=0.02 * covariance.max())
+    value, error = bridge_ratio(conditional(case.draws), conditional(draws))
     assert error < 0.1
     assert abs(value - case.exact(0)) < 3 * error
     # all data have the evidence 1 here: their density is normalised
@@ -167,10 +167,10 @@ def test_ratio_of_two_normals_and_its_error():
         return -0.5 * (x - 1) ** 2 + 0.5 * (x / 2) ** 2
 
     for _ in range(60):
-        found, error = bridge_ratio(
+        log_bayes_factor, error = bridge_ratio(
             log_ratio(rng.normal(1, 1, 600)), log_ratio(rng.normal(0, 2, 900))
         )
-        off.append((found + np.log(2)) / error)
+        off.append((log_bayes_factor + np.log(2)) / error)
     assert abs(np.mean(off)) < 3 / np.sqrt(60)
     assert 0.75 < np.sqrt(np.mean(np.square(off))) < 1.3
 
@@ -182,9 +182,9 @@ def test_few_draws_allow_less_of_the_weights(case):
 
 
 def test_groups_no_draw_disagrees_on_are_taken_as_they_are():
-    found = elpd(np.full((200, 2), -1.25))
-    assert found.pointwise == pytest.approx(np.full(2, -1.25))
-    assert found.reliable
+    prediction = elpd(np.full((200, 2), -1.25))
+    assert prediction.pointwise == pytest.approx(np.full(2, -1.25))
+    assert prediction.reliable
 
 
 def predictions(values, k=0.1):
@@ -195,17 +195,17 @@ def predictions(values, k=0.1):
 def test_difference_is_paired():
     rng = np.random.default_rng(3)
     common, better = rng.normal(0, 50, 40), rng.normal(0.5, 0.2, 40)
-    found = difference(predictions(common + better), predictions(common))
-    assert found.elpd == pytest.approx(better.sum())
-    assert found.se == pytest.approx(np.sqrt(40) * better.std(ddof=1))
-    assert found.reliable
+    gain = difference(predictions(common + better), predictions(common))
+    assert gain.elpd == pytest.approx(better.sum())
+    assert gain.se == pytest.approx(np.sqrt(40) * better.std(ddof=1))
+    assert gain.reliable
     other = difference(predictions(common), predictions(common + better))
-    assert other.elpd == pytest.approx(-found.elpd)
+    assert other.elpd == pytest.approx(-gain.elpd)
     assert other.reliable
 
 
 @pytest.mark.parametrize(
-    ("groups", "each", "k", "reasons"),
+    ("groups", "gain_each", "k", "reasons"),
     [
         (20, 0.21, 0.1, ()),
         (20, 0.19, 0.1, ("less than 4",)),
@@ -215,11 +215,11 @@ def test_difference_is_paired():
         (3, 0.5, 0.71, ("fewer than 20", "less than 4", "Pareto k")),
     ],
 )
-def test_standard_errors_that_are_not_to_be_relied_on(groups, each, k, reasons):
-    found = difference(predictions(np.full(groups, each)), predictions(np.zeros(groups), k))
-    assert len(found.unreliable) == len(reasons)
-    assert all(reason in text for reason, text in zip(reasons, found.unreliable, strict=True))
-    assert found.reliable is (not reasons)
+def test_standard_errors_that_are_not_to_be_relied_on(groups, gain_each, k, reasons):
+    gain = difference(predictions(np.full(groups, gain_each)), predictions(np.zeros(groups), k))
+    assert len(gain.unreliable) == len(reasons)
+    assert all(reason in text for reason, text in zip(reasons, gain.unreliable, strict=True))
+    assert gain.reliable is (not reasons)
 
 
 def test_a_single_group_has_no_standard_error():
@@ -228,12 +228,12 @@ def test_a_single_group_has_no_standard_error():
 
 
 def test_pit_is_that_of_exact_refits(case):
-    found = loo_pit(
+    pit = loo_pit(
         np.stack([stats.norm.cdf(case.conditional(g)[1]) for g in range(GROUPS)], axis=1),
         without_each(case.log_likelihood()),
     )
     exact = [case.exact_pit(group) for group in range(GROUPS)]
-    assert found == pytest.approx(exact, abs=0.02)
+    assert pit == pytest.approx(exact, abs=0.02)
 
 
 def test_pit_of_the_right_model_is_uniform_and_of_a_wrong_one_is_not():

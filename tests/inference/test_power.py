@@ -23,8 +23,8 @@ def closed_form(estimate, width, error):
 
 @pytest.mark.parametrize("estimate", [0.0, 0.05, 0.4])
 def test_bayes_factor_of_an_estimate(estimate):
-    found = log_bayes_factor(estimate, ERROR, Normal(mean=0.0, sd=WIDTH))
-    assert found == pytest.approx(closed_form(estimate, WIDTH, ERROR), abs=1e-6)
+    factor = log_bayes_factor(estimate, ERROR, Normal(mean=0.0, sd=WIDTH))
+    assert factor == pytest.approx(closed_form(estimate, WIDTH, ERROR), abs=1e-6)
     # A half-normal has twice the density, on the side that the estimate leaves to it.
     half = log_bayes_factor(estimate, ERROR, HalfNormal(scale=WIDTH))
     shrunk = estimate * WIDTH / (ERROR * np.hypot(WIDTH, ERROR))
@@ -36,8 +36,8 @@ def test_bayes_factor_of_an_estimate(estimate):
 def test_nine_of_ten_such_effects_are_found(prior):
     amplitude = smallest_found(ERROR, prior, TEN, 0.9)
     estimates = amplitude + ERROR * np.random.default_rng(1).standard_normal(4000)
-    found = np.mean([log_bayes_factor(one, ERROR, prior) >= TEN for one in estimates])
-    assert found == pytest.approx(0.9, abs=4 * np.sqrt(0.09 / 4000))
+    power = np.mean([log_bayes_factor(estimate, ERROR, prior) >= TEN for estimate in estimates])
+    assert power == pytest.approx(0.9, abs=4 * np.sqrt(0.09 / 4000))
 
 
 @pytest.mark.parametrize("odds", [TEN, 5.65])

@@ -189,14 +189,16 @@ def test_priors_of_one_family_together_are_those_one_by_one():
         Uniform(-1.0, 4.0), Normal(-5.0, 0.1), LogNormal(7.0, 0.2), Gamma(3.0, 1.0),
     ]  # fmt: skip
     z = np.random.default_rng(3).normal(0.0, 2.0, (20, len(priors)))
-    each = np.stack([from_normal(one, z[:, k]) for k, one in enumerate(priors)], axis=1)
+    separately = np.stack(
+        [from_normal(own_prior, z[:, k]) for k, own_prior in enumerate(priors)], axis=1
+    )
     seen = []
     for places, prior in joined(priors):
         seen += places
         values = from_normal(prior, z[:, places])
-        assert values == pytest.approx(each[:, places], rel=1e-14)
+        assert values == pytest.approx(separately[:, places], rel=1e-14)
         assert to_normal(prior, values) == pytest.approx(z[:, places], abs=1e-9)
-        alone = np.stack([log_density(priors[k], each[:, k]) for k in places], axis=1)
+        alone = np.stack([log_density(priors[k], separately[:, k]) for k in places], axis=1)
         assert log_density(prior, values) == pytest.approx(alone, rel=1e-12)
     assert sorted(seen) == list(range(len(priors)))
     assert len(joined(priors)) == 6  # those of SciPy stay apart

@@ -259,8 +259,8 @@ def test_student_t_density_and_draws_are_scipys():
 
 def test_proposal_returns_its_hastings_factor():
     proposal = Proposal(StudentT(np.zeros(1), np.eye(1), 6.0))
-    here = np.array([[3.0]])
-    there, factor = proposal.propose(here, np.random.RandomState(2))
+    start = np.array([[3.0]])
+    there, factor = proposal.propose(start, np.random.RandomState(2))
     t = stats.t(6.0)
     assert factor[0] == pytest.approx(t.logpdf(3.0) - t.logpdf(there[0, 0]), abs=1e-12)
 
@@ -280,8 +280,8 @@ def test_a_student_twice_as_wide():
     location, scale = np.array([1.0, -2.0]), np.array([[2.0, 0.5], [0.5, 1.0]])
     points = np.random.default_rng(5).standard_normal((6, 2))
     expected = stats.multivariate_t(location, 4 * scale, df=6).logpdf(points)
-    found = StudentT(location, scale, 24.0).wider(2.0).log_density(points)
-    assert found == pytest.approx(expected, rel=1e-10)
+    log_densities = StudentT(location, scale, 24.0).wider(2.0).log_density(points)
+    assert log_densities == pytest.approx(expected, rel=1e-10)
 
 
 def test_a_linear_chart_carries_the_covariance_over():

@@ -12,34 +12,34 @@ from bayesfric.inference.laplace import Laplace
 SHAPE = 4, 100, 30  # ensembles, kept, walkers
 
 
-def draws_of(known, apart, second, seed):
+def draws_of(density, apart, second, seed):
     """Draws of two modes; `second` says which are of the second."""
-    size = known.size
+    size = density.size
     normal = np.random.default_rng(seed).standard_normal((*SHAPE, size))
     return normal + apart * np.broadcast_to(second, SHAPE)[..., None]
 
 
 @pytest.mark.parametrize("apart", [2.0, 8.0, 1000.0])
 def test_each_ensemble_stuck_in_one_mode_is_refused(apart):
-    known = densities.two_modes(4, apart)
+    density = densities.two_modes(4, apart)
     stuck = np.array([0, 1, 0, 1])[:, None, None]
     with pytest.raises(SeparatedModes, match=r"R-hat [\d.e+]+ between ensembles"):
-        bridge_evidence(known.log_density, draws_of(known, apart, stuck, 1), 1)
+        bridge_evidence(density.log_density, draws_of(density, apart, stuck, 1), 1)
 
 
 def test_a_single_ensemble_elsewhere_is_refused():
-    known = densities.two_modes(4, 8.0)
+    density = densities.two_modes(4, 8.0)
     stuck = np.array([0, 0, 0, 1])[:, None, None]
     with pytest.raises(SeparatedModes):
-        bridge_evidence(known.log_density, draws_of(known, 8.0, stuck, 1), 1)
+        bridge_evidence(density.log_density, draws_of(density, 8.0, stuck, 1), 1)
 
 
 def test_each_walker_stuck_is_refused_though_ensembles_agree():
     """How many walkers a mode has is then a matter of where they started."""
-    known = densities.two_modes(4, 8.0, share=0.3)
+    density = densities.two_modes(4, 8.0, share=0.3)
     stuck = (np.arange(SHAPE[2]) % 2)[None, None, :]
     with pytest.raises(SeparatedModes, match="between walkers"):
-        bridge_evidence(known.log_density, draws_of(known, 8.0, stuck, 2), 1)
+        bridge_evidence(density.log_density, draws_of(density, 8.0, stuck, 2), 1)
 
 
 def test_modes_side_by_side_across_a_ridge_are_refused():
@@ -55,27 +55,27 @@ def test_modes_side_by_side_across_a_ridge_are_refused():
 @pytest.mark.parametrize("apart", [3.0, 8.0])
 def test_draws_that_move_between_modes_are_bridged(apart):
     """Every ensemble and walker sits in both modes, by their true shares."""
-    known = densities.two_modes(3, apart, share=0.3)
+    density = densities.two_modes(3, apart, share=0.3)
     moving = np.random.default_rng(4).random(SHAPE) > 0.3
-    found = bridge_evidence(known.log_density, draws_of(known, apart, moving, 5), 1)
-    assert abs(found.log_evidence) < 3 * found.error
-    assert found.error < 0.1
+    bridge = bridge_evidence(density.log_density, draws_of(density, apart, moving, 5), 1)
+    assert abs(bridge.log_evidence) < 3 * bridge.error
+    assert bridge.error < 0.1
 
 
 def test_no_overlap_is_refused():
     """Modes in many dimensions, too far apart for any one Student-t."""
-    known = densities.two_modes(12, 1000.0)
+    density = densities.two_modes(12, 1000.0)
     moving = np.random.default_rng(6).random(SHAPE) > 0.5
     with pytest.raises(SeparatedModes, match=r"overlap by [\d.]+%"):
-        bridge_evidence(known.log_density, draws_of(known, 1000.0, moving, 7), 1)
+        bridge_evidence(density.log_density, draws_of(density, 1000.0, moving, 7), 1)
 
 
 def test_importance_sampling_around_one_mode_of_two_is_unreliable():
-    known = densities.two_modes(2, 3.0)
-    around_one = Laplace(np.zeros(2), np.eye(2), float(known.log_density(np.zeros((1, 2)))[0]))
-    found = importance_draws(known.log_density, around_one, 1)
+    density = densities.two_modes(2, 3.0)
+    around_one = Laplace(np.zeros(2), np.eye(2), float(density.log_density(np.zeros((1, 2)))[0]))
+    estimate = importance_draws(density.log_density, around_one, 1)
     truth, _ = importance_draws(densities.two_modes(2, 0.0).log_density, around_one, 1)
     # Either the second mode has been seen and counted, or the weights tell of it.
-    assert found is None or abs(found[0].log_evidence - truth.log_evidence) < 3 * np.hypot(
-        found[0].error, truth.error
+    assert estimate is None or abs(estimate[0].log_evidence - truth.log_evidence) < 3 * np.hypot(
+        estimate[0].error, truth.error
     )

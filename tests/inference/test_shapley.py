@@ -16,7 +16,7 @@ def by_orders(blocks, players, response, ridge):
     """Return the mean, over all orders written out, of what each regressor adds."""
 
     def explained(there):
-        columns = [one.columns for one in blocks if set(one.players) <= there]
+        columns = [block.columns for block in blocks if set(block.players) <= there]
         if not columns:
             return np.zeros(response.shape[1])
         design = np.concatenate(columns, axis=1)
@@ -51,13 +51,15 @@ def test_two_correlated_regressors_share_as_the_closed_form_says(correlation):
     basis = np.linalg.qr(np.random.default_rng(2).standard_normal((30, 2)))[0]
     first = basis[:, 0]
     second = correlation * first + np.sqrt(1 - correlation**2) * basis[:, 1]
-    one, two = 2.0, -0.7
-    response = (one * first + two * second)[:, None]
-    found = shares([Block((0,), first[:, None]), Block((1,), second[:, None])], 2, response)
-    common = one * two * correlation
-    moved = (two**2 - one**2) * correlation**2 / 2
+    first_slope, second_slope = 2.0, -0.7
+    response = (first_slope * first + second_slope * second)[:, None]
+    explained_by = shares([Block((0,), first[:, None]), Block((1,), second[:, None])], 2, response)
+    common = first_slope * second_slope * correlation
+    moved = (second_slope**2 - first_slope**2) * correlation**2 / 2
     np.testing.assert_allclose(
-        found[:, 0], [one**2 + common + moved, two**2 + common - moved], atol=1e-7
+        explained_by[:, 0],
+        [first_slope**2 + common + moved, second_slope**2 + common - moved],
+        atol=1e-7,
     )
 
 
@@ -78,8 +80,8 @@ def test_four_regressors_with_products_are_as_all_24_orders_written_out(ridge):
 
 def test_regressors_that_are_the_same_share_alike():
     column = np.ones((5, 1)) / np.sqrt(5)
-    found = shares([Block((0,), column), Block((1,), column)], 2, 2 * column)
-    np.testing.assert_allclose(found, [[2.0], [2.0]], rtol=1e-6)
+    explained_by = shares([Block((0,), column), Block((1,), column)], 2, 2 * column)
+    np.testing.assert_allclose(explained_by, [[2.0], [2.0]], rtol=1e-6)
 
 
 def test_nothing_explains_nothing():
@@ -100,7 +102,7 @@ def test_shares_are_not_negative_and_add_up_to_no_more_than_all(players, seed, r
     ]
     response = rng.standard_normal((12, 3))
     worth = explained_by_subsets(blocks, players, response, ridge)
-    found = shapley_values(worth)
-    assert found.min() >= -1e-9
-    np.testing.assert_allclose(found.sum(axis=0), worth[-1], atol=1e-9)
-    assert (found.sum(axis=0) <= (response**2).sum(axis=0) * (1 + 1e-9)).all()
+    values = shapley_values(worth)
+    assert values.min() >= -1e-9
+    np.testing.assert_allclose(values.sum(axis=0), worth[-1], atol=1e-9)
+    assert (values.sum(axis=0) <= (response**2).sum(axis=0) * (1 + 1e-9)).all()

@@ -13,14 +13,14 @@ def matrix(n=30):
 
 
 def test_where_the_quickest_method_gives_up_another_is_taken(monkeypatch):
-    known = np.linalg.eigh(matrix())
+    eigen = np.linalg.eigh(matrix())
 
     def fails(_):
         raise np.linalg.LinAlgError("Eigenvalues did not converge")
 
     monkeypatch.setattr(np.linalg, "eigh", fails)
     values, vectors = symmetric.eigen_of(matrix())
-    assert values == pytest.approx(known[0], rel=1e-10)
+    assert values == pytest.approx(eigen[0], rel=1e-10)
     assert (vectors * values) @ vectors.T == pytest.approx(matrix(), abs=1e-10)
 
 

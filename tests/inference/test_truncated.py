@@ -10,27 +10,27 @@ from bayesfric.inference.truncated import drawn_above, drawn_above_zero, normal_
 @pytest.mark.parametrize("mean", [2.0, 0.3, -0.7, -3.0])
 def test_moments_are_those_of_the_truncated_normal(mean):
     draws = np.random.default_rng(1).normal(mean, 1.0, (20_000, 1))
-    found = drawn_above(draws, np.array([0.0]))[:, 0]
+    truncated = drawn_above(draws, np.array([0.0]))[:, 0]
     exact = truncnorm(-mean, np.inf, loc=mean)
-    assert found.min() >= 0
+    assert truncated.min() >= 0
     # Of draws above the bound and others anew: a mixture of two samples of the same density.
-    assert found.mean() == pytest.approx(exact.mean(), rel=0.03)
-    assert found.std() == pytest.approx(exact.std(), rel=0.03)
+    assert truncated.mean() == pytest.approx(exact.mean(), rel=0.03)
+    assert truncated.std() == pytest.approx(exact.std(), rel=0.03)
 
 
 def test_a_number_far_below_its_bound_is_off_by_as_much():
     """Data that have it at −1000 ± 1 are wrong by 1000: an interval of 1 above 0 is none."""
     draws = np.random.default_rng(2).normal(-1e3, 1.0, (2000, 1))
-    found = drawn_above(draws, np.array([0.0]))
-    assert np.isfinite(found).all()
-    assert found.min() >= 0
+    truncated = drawn_above(draws, np.array([0.0]))
+    assert np.isfinite(truncated).all()
+    assert truncated.min() >= 0
     exact = truncnorm(4.0, np.inf, scale=250.0, loc=-1e3)
-    assert found.mean() == pytest.approx(exact.mean(), rel=0.03)
-    assert found.std() == pytest.approx(exact.std(), rel=0.05)
+    assert truncated.mean() == pytest.approx(exact.mean(), rel=0.03)
+    assert truncated.std() == pytest.approx(exact.std(), rel=0.05)
     mean, sd, quantiles = normal_above(-1e3, 1.0, 0.0)
     assert mean == pytest.approx(exact.mean())
     assert sd == pytest.approx(exact.std())
-    assert quantiles == pytest.approx(np.quantile(found, [0.05, 0.5, 0.95]), rel=0.05)
+    assert quantiles == pytest.approx(np.quantile(truncated, [0.05, 0.5, 0.95]), rel=0.05)
 
 
 def test_without_a_bound_and_above_it_nothing_changes():

@@ -21,14 +21,14 @@ SCORECARD = Path(__file__).parent / "scorecard.json"  # of blind boards
 
 def record(**changes):
     """Return a diagnosis as JSON has it, with its keys changed by path."""
-    found = json.loads(diagnosis().model_dump_json(by_alias=True))
+    stored = json.loads(diagnosis().model_dump_json(by_alias=True))
     for path, value in changes.items():
         *keys, last = path.split("__")
-        part = found
+        part = stored
         for key in keys:
             part = part[int(key)] if key.isdigit() else part[key]
         part[int(last) if last.isdigit() else last] = value
-    return found
+    return stored
 
 
 def broken_of(result):
@@ -86,20 +86,22 @@ LIMIT = NARROW | {"unit": "N", "prior": "x", "prior_density": None}
     ],
 )
 def test_what_breaks_a_rule_is_told_with_its_numbers(rule, changes):
-    found = broken_of(record(**changes))
-    assert rule in found
-    assert len(found[rule]) > 10
+    broken = broken_of(record(**changes))
+    assert rule in broken
+    assert len(broken[rule]) > 10
 
 
 def test_shares_with_what_no_axis_explains_add_up_to_one():
     axes = record()["where"]
     parts = [0.5, 0.2, 0.1]
     shares = [{"mean": part, "q05": part, "q95": part} for part in parts]
-    told = [{**axis, "share": share} for axis, share in zip(axes, shares, strict=False)]
+    shared = [{**axis, "share": share} for axis, share in zip(axes, shares, strict=False)]
     rest = {"mean": 0.2, "q05": 0.2, "q95": 0.2}
-    assert "shares-add-up-to-1" not in broken_of(record() | {"where": told, "unexplained": rest})
+    assert "shares-add-up-to-1" not in broken_of(record() | {"where": shared, "unexplained": rest})
     rest = {"mean": 0.1, "q05": 0.1, "q95": 0.1}
-    assert "0.9" in broken_of(record() | {"where": told, "unexplained": rest})["shares-add-up-to-1"]
+    assert (
+        "0.9" in broken_of(record() | {"where": shared, "unexplained": rest})["shares-add-up-to-1"]
+    )
 
 
 @pytest.mark.parametrize(("share", "is_broken"), [(1.0, False), (0.5, True)])
@@ -175,10 +177,10 @@ def test_a_file_that_is_none_is_refused(tmp_path, text, expected):
 
 
 def test_a_file_without_a_key_is_refused():
-    found = record()
-    del found["gap"]
+    incomplete = record()
+    del incomplete["gap"]
     with pytest.raises(InputError, match="gap"):
-        check_result(found)
+        check_result(incomplete)
 
 
 def test_stored_results_of_the_repository_break_nothing(root):
@@ -200,13 +202,13 @@ def test_stored_results_of_the_repository_break_nothing(root):
 )
 def test_rules_of_other_results(root, name, rule, path, value):
     path_of = SCORECARD if name == "scorecard" else root / "reports" / f"{name}.json"
-    found = json.loads(path_of.read_text())
-    part = found
+    stored = json.loads(path_of.read_text())
+    part = stored
     *keys, last = path.split("__")
     for key in keys:
         part = part[int(key)] if key.isdigit() else part[key]
     part[last] = value
-    assert rule in broken_of(found)
+    assert rule in broken_of(stored)
 
 
 def test_rules_of_margins():
@@ -217,8 +219,8 @@ def test_rules_of_margins():
         "limit_cycle_probability": [{"gamma": 1.0, "p": 0.1}, {"gamma": 0.5, "p": 2.0}],
         "variance_share": {"phase_margin": {"c1": 1.4}},
     }
-    found = broken_of({"schema": "bayesfric.margins/1", "loops": [loop]})
-    assert set(found) == {
+    broken = broken_of({"schema": "bayesfric.margins/1", "loops": [loop]})
+    assert set(broken) == {
         "probabilities-within-0-and-1",
         "violations-of-specs",
         "quantiles-ascend",
@@ -240,9 +242,9 @@ def test_every_rule_is_in_the_docs(root):
 
 def test_unseparated_and_unknown_follow():
     rivals = (Unseparated(effects=("a", "b"), reason="these-data"),)
-    found = made_up(
+    result = made_up(
         "unseparated", (), probabilities={"a": 0.5, "b": 0.47, "none": 0.03}, unseparated=rivals
     )
-    assert "verdict-follows" not in broken_of(json.loads(found.model_dump_json(by_alias=True)))
+    assert "verdict-follows" not in broken_of(json.loads(result.model_dump_json(by_alias=True)))
     unknown = made_up("unknown", (), probabilities={"unknown": 0.97, "none": 0.03})
     assert "verdict-follows" not in broken_of(json.loads(unknown.model_dump_json(by_alias=True)))

@@ -31,47 +31,47 @@ def imported(folder, stamps, unit="s", rows=None, more="", **columns):
     return import_log(folder / "log.csv", "j", mapping=folder / "map.toml")
 
 
-def times(found):
-    return found.recording.axis.samples["time_s"].to_numpy()
+def times(log):
+    return log.recording.axis.samples["time_s"].to_numpy()
 
 
 @pytest.mark.parametrize(("period", "unit", "second"), PERIODS.values(), ids=PERIODS)
 def test_a_counter_that_begins_again_is_unwrapped_and_said(tmp_path, period, unit, second):
     counts = np.round(TIME / second).astype(np.int64)
-    found = imported(tmp_path, (counts + period - counts[150]) % period, unit)
-    assert times(found) == pytest.approx(TIME, abs=1e-12)
-    assert found.recording.axis.samples["position_m"].to_numpy() == pytest.approx(np.sin(TIME))
-    assert any("begins again" in note and "once (first at row 152)" in note for note in found.notes)
+    log = imported(tmp_path, (counts + period - counts[150]) % period, unit)
+    assert times(log) == pytest.approx(TIME, abs=1e-12)
+    assert log.recording.axis.samples["position_m"].to_numpy() == pytest.approx(np.sin(TIME))
+    assert any("begins again" in note and "once (first at row 152)" in note for note in log.notes)
 
 
 def test_a_counter_may_begin_again_many_times(tmp_path):
-    found = imported(tmp_path, np.round(1e6 * TIME).astype(np.int64) % 2**16, "us")
-    assert times(found) == pytest.approx(TIME, abs=1e-12)
-    assert any(f"{int(1e6 * TIME[-1]) // 2**16} times" in note for note in found.notes)
+    log = imported(tmp_path, np.round(1e6 * TIME).astype(np.int64) % 2**16, "us")
+    assert times(log) == pytest.approx(TIME, abs=1e-12)
+    assert any(f"{int(1e6 * TIME[-1]) // 2**16} times" in note for note in log.notes)
 
 
 def test_rows_out_of_order_about_the_place_where_a_counter_begins_again(tmp_path):
     counts = (np.round(1e6 * TIME).astype(np.int64) + 2**32 - 750_000) % 2**32
     order = np.arange(ROWS)
     order[[149, 150, 151]] = [150, 149, 151]
-    found = imported(tmp_path, counts, "us", rows=order)
-    assert times(found) == pytest.approx(TIME, abs=1e-12)
-    assert any("1 row out of order (first: row 152) sorted" in note for note in found.notes)
+    log = imported(tmp_path, counts, "us", rows=order)
+    assert times(log) == pytest.approx(TIME, abs=1e-12)
+    assert any("1 row out of order (first: row 152) sorted" in note for note in log.notes)
 
 
 def test_what_is_sorted_left_out_and_not_there_is_said_with_counts(tmp_path):
     order = [*range(10), 11, 10, 12, *range(12, 100), *range(300, ROWS)]
-    found = imported(tmp_path, TIME, rows=order)
-    said = " ".join(found.notes)
+    log = imported(tmp_path, TIME, rows=order)
+    said = " ".join(log.notes)
     assert "1 row out of order (first: row 13) sorted" in said
     assert "1 row with the time of an earlier row (first: row 15) left out" in said
     assert "more than 3 intervals at 1 place, the longest 1.005 s, 0.495 s after the first" in said
-    assert np.all(np.diff(times(found)) > 0)
+    assert np.all(np.diff(times(log)) > 0)
 
 
 def test_the_notes_go_with_the_recording_and_validate_says_them(tmp_path):
-    found = imported(tmp_path, TIME, rows=[*range(100), *range(300, ROWS)])
-    write_recording(found.recording, tmp_path / "made")
+    log = imported(tmp_path, TIME, rows=[*range(100), *range(300, ROWS)])
+    write_recording(log.recording, tmp_path / "made")
     assert any("at 1 place" in note for note in read_recording(tmp_path / "made").notes)
     again = read_recording(tmp_path / "made")
     write_recording(again, tmp_path / "again")
@@ -83,12 +83,12 @@ def test_the_notes_go_with_the_recording_and_validate_says_them(tmp_path):
 def test_a_force_that_stops_for_a_while_is_not_bridged(tmp_path):
     late = TIME.copy()
     late[200:] += 1.0  # the force's clock: nothing from 0.995 s to 2 s
-    found = imported(
+    log = imported(
         tmp_path, 2 * TIME, t2=late, more='time = "t2"\n'
     )  # positions every 10 ms, 4 s; forces to 3 s
-    seen = times(found)
+    seen = times(log)
     assert not ((seen > 0.996) & (seen < 1.999)).any()
-    assert any("100 samples in which no force was logged left out" in note for note in found.notes)
+    assert any("100 samples in which no force was logged left out" in note for note in log.notes)
 
 
 KNOWN = 'time = "t"\n[known_force]\ncolumn = "model"\nunit = "N·m"\ntime = "t2"\n'
@@ -143,19 +143,19 @@ def test_a_log_in_seconds_that_starts_anew_is_no_counter(tmp_path, restart_s):
 
 
 EPOCH = datetime(2026, 11, 1, 23, 59, 59, tzinfo=UTC)
-STAMPS = [EPOCH + timedelta(microseconds=round(1e6 * one)) for one in TIME]
+STAMPS = [EPOCH + timedelta(microseconds=round(1e6 * stamp)) for stamp in TIME]
 NANOSECONDS = [round(EPOCH.timestamp()) * 10**9 + 5_000_000 * row + row % 7 for row in range(ROWS)]
 
 
 @pytest.mark.parametrize(
     ("stamps", "unit"),
     [
-        ([f"{one:%H:%M:%S.%f}" for one in STAMPS], "s"),
-        ([f"{one:%Y-%m-%dT%H:%M:%S.%f}Z" for one in STAMPS], "ms"),
-        ([f"{one:%Y-%m-%d %H:%M:%S.%f}+0000" for one in STAMPS], "s"),
-        ([f"{one.timestamp():.6f}" for one in STAMPS], "s"),
-        ([f"{1e3 * one.timestamp():.3f}" for one in STAMPS], "ms"),
-        ([round(1e6 * one.timestamp()) for one in STAMPS], "us"),
+        ([f"{stamp:%H:%M:%S.%f}" for stamp in STAMPS], "s"),
+        ([f"{stamp:%Y-%m-%dT%H:%M:%S.%f}Z" for stamp in STAMPS], "ms"),
+        ([f"{stamp:%Y-%m-%d %H:%M:%S.%f}+0000" for stamp in STAMPS], "s"),
+        ([f"{stamp.timestamp():.6f}" for stamp in STAMPS], "s"),
+        ([f"{1e3 * stamp.timestamp():.3f}" for stamp in STAMPS], "ms"),
+        ([round(1e6 * stamp.timestamp()) for stamp in STAMPS], "us"),
     ],
     ids=["of day", "ISO", "ISO with zone", "epoch s", "epoch ms", "epoch us"],
 )
@@ -164,7 +164,7 @@ def test_stamps_of_every_form_are_read_over_midnight(tmp_path, stamps, unit):
 
 
 def test_nanoseconds_since_1970_lose_nothing(tmp_path):
-    since = np.array([(one - NANOSECONDS[0]) * 1e-9 for one in NANOSECONDS])
+    since = np.array([(stamp - NANOSECONDS[0]) * 1e-9 for stamp in NANOSECONDS])
     assert times(imported(tmp_path, NANOSECONDS, "ns")) == pytest.approx(since, abs=2e-10)
 
 
@@ -172,13 +172,13 @@ def test_nanoseconds_since_1970_lose_nothing(tmp_path):
     ("stamps", "unit", "said"),
     [
         (NANOSECONDS, "s", "is ns since 1970 meant?"),
-        ([round(one / 1e6) for one in NANOSECONDS], "ns", "is ms since 1970 meant?"),
+        ([round(stamp / 1e6) for stamp in NANOSECONDS], "ns", "is ms since 1970 meant?"),
         (["14:46:55.1", "14:61:55.2", "14:46:55.3"] + ROWS * ["14:46:56"], "s", "row 3, t"),
         (["5", "noon"] + ROWS * ["6"], "s", "row 3, t: found 'noon', expected a number, a time of"),
     ],
     ids=["ns as s", "ms as ns", "no minute", "no time"],
 )
 def test_a_clock_that_cannot_be_is_refused(tmp_path, stamps, unit, said):
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as caught:
         imported(tmp_path, stamps[:ROWS], unit)
-    assert said in str(told.value)
+    assert said in str(caught.value)

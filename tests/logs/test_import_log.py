@@ -75,12 +75,12 @@ def test_a_delay_is_found_with_an_error_that_holds(late):
     """Sixty noises: the standard error is that of the estimates, and they lie around the truth."""
     rng = np.random.default_rng(1)
     sent, read = np.arange(0, 4, 0.004), np.arange(0.0013, 4, 0.005)
-    found = []
+    delays = []
     for _ in range(60):
         value = 0.3 + 0.9 * swings(read - late) + 0.2 * rng.standard_normal(read.size)
-        found.append(delay_between(Series(sent, swings(sent)), Series(read, value)))
-    off = np.array([one.seconds for one in found]) - late
-    error = np.array([one.error_s for one in found])
+        delays.append(delay_between(Series(sent, swings(sent)), Series(read, value)))
+    off = np.array([delay.seconds for delay in delays]) - late
+    error = np.array([delay.error_s for delay in delays])
     assert abs(off.mean()) < 4 * error.mean() / np.sqrt(60)
     assert np.std(off) == pytest.approx(error.mean(), rel=0.3)
     assert error.mean() < 2e-3
@@ -121,15 +121,15 @@ def made_bag(folder, storage, late=0.006):
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
 def test_a_bag_has_the_command_as_sent_and_says_how_late_the_force_is(tmp_path, storage):
-    found = import_log(made_bag(tmp_path / "bag", storage), "elbow", mapping=bag_map(tmp_path))
-    samples = found.recording.axis.samples
+    imported = import_log(made_bag(tmp_path / "bag", storage), "elbow", mapping=bag_map(tmp_path))
+    samples = imported.recording.axis.samples
     time = samples["time_s"].to_numpy() + 100.001
     assert samples["position_m"].to_numpy() == pytest.approx(np.sin(time), abs=1e-8)
     # As sent, not moved by the delay: 6 ms would be up to 0.1 here.
     assert samples["force_n"].to_numpy() == pytest.approx(swings(time), abs=2e-3)
-    assert found.delay.seconds == pytest.approx(0.006, abs=1e-4)
-    assert any("6.00 ± " in note and "left in" in note for note in found.notes)
-    assert found.recording.rig.force_is == "commanded"
+    assert imported.delay.seconds == pytest.approx(0.006, abs=1e-4)
+    assert any("6.00 ± " in note and "left in" in note for note in imported.notes)
+    assert imported.recording.rig.force_is == "commanded"
 
 
 def test_a_joint_that_is_not_in_a_bag_is_told_with_those_that_are(tmp_path):
@@ -164,7 +164,7 @@ def log(folder, mapping=MAPPING, **columns):
 
 
 @pytest.mark.parametrize(
-    ("mapping", "columns", "told"),
+    ("mapping", "columns", "reason"),
     [
         (MAPPING.replace('"tau"', '"torque"'), {}, "torque: expected one of time_s, q, tau"),
         (MAPPING, {"tau": ["1", "x", "2"]}, "row 3, tau: found 'x', expected a number"),
@@ -178,8 +178,8 @@ def log(folder, mapping=MAPPING, **columns):
         (f"{MAPPING}{RUN}1", {}, "to_s above from_s"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(tmp_path, mapping, columns, told):
-    with pytest.raises(InputError, match=told):
+def test_what_is_wrong_is_told_with_its_place(tmp_path, mapping, columns, reason):
+    with pytest.raises(InputError, match=reason):
         import_log(**log(tmp_path, mapping, **columns))
 
 

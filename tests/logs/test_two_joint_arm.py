@@ -81,7 +81,7 @@ def test_its_truth_lies_in_the_intervals_and_goes_into_the_model(recording, tmp_
     inside = []
     for block in read_json(DiagnosisFile, tmp_path / "out" / "diagnosis.json").joints:
         assert block.verdict == "no-gap"
-        entered = {one.parameter: one.value for one in block.enter}
+        entered = {number.parameter: number.value for number in block.enter}
         entered |= {"armature": entered.get("armature", entered.get("inertia"))}
         inside += [
             entered[name].q05 <= true(block.joint, name) <= entered[name].q95 for name in FIELDS

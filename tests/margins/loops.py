@@ -88,8 +88,8 @@ def posterior(n=2, sd=0.0, omega=0.0, seed=1):
 
 def shaft(changes=None):
     """The base loop at the shaft, one draw, at Table I."""
-    one = loop(changes)
-    return at_shaft(one, nominal_assembly(one, posterior()))
+    settings = loop(changes)
+    return at_shaft(settings, nominal_assembly(settings, posterior()))
 
 
 def write_draws(path: Path, n=400, sd=0.01, omega=0.02, seed=1, **scatters):

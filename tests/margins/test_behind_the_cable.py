@@ -33,21 +33,21 @@ PLAY = {"drive.backlash_rad": 0.1}
 
 def figure(changes, name):
     """A closed form of one draw."""
-    one = shaft(changes)
-    return float(closed_forms(one, linear_of(one))[name, None][0])
+    bench = shaft(changes)
+    return float(closed_forms(bench, linear_of(bench))[name, None][0])
 
 
 def test_friction_of_the_joint_by_hand():
     # 0.05 N·m over 100: 5e-4 N·m at the motor, 0.5 N of cable, behind 0.5 m at 2 × 15 kN
     own = {**LONG, "joint.friction_n_m": 0.05}
-    one, without = shaft(own), shaft(LONG)
+    bench, without = shaft(own), shaft(LONG)
     stiffness = 1e-6 * 2 * 15e3 / 0.5
-    assert one.friction - without.friction == pytest.approx(5e-4)
-    assert one.lost_motion - without.lost_motion == pytest.approx(5e-4 / stiffness)
-    assert one.cable_friction == pytest.approx(without.cable_friction)
-    assert one.cable_friction == pytest.approx(1e-3 * CABLE_N)
-    assert without.side_tension[0] - one.side_tension[0] == pytest.approx(0.5 / 2)
-    assert steady_error(one) == pytest.approx((0.003541 + 5e-4) / 0.02)
+    assert bench.friction - without.friction == pytest.approx(5e-4)
+    assert bench.lost_motion - without.lost_motion == pytest.approx(5e-4 / stiffness)
+    assert bench.cable_friction == pytest.approx(without.cable_friction)
+    assert bench.cable_friction == pytest.approx(1e-3 * CABLE_N)
+    assert without.side_tension[0] - bench.side_tension[0] == pytest.approx(0.5 / 2)
+    assert steady_error(bench) == pytest.approx((0.003541 + 5e-4) / 0.02)
     assert figure(own, ("backdrive_force")) == pytest.approx((0.003541 + 5e-4) / 0.005)
 
 
@@ -65,11 +65,11 @@ def test_friction_of_a_prismatic_joint_by_hand():
 
 def test_effects_of_a_diagnosis_leave_the_joint_s_own_friction_alone():
     """No effect acts: the law alone remains, and with it what motor and joint add."""
-    one = shaft({**LONG, "joint.friction_n_m": 0.05})
+    bench = shaft({**LONG, "joint.friction_n_m": 0.05})
     given = type("Given", (), {"draws": 1, "acting": ()})()
-    after = with_effects(one, given)
+    after = with_effects(bench, given)
     for name in ("friction", "lost_motion", "joint_friction"):
-        assert getattr(after, name) == pytest.approx(getattr(one, name)), name
+        assert getattr(after, name) == pytest.approx(getattr(bench, name)), name
 
 
 def test_play_is_lost_motion_unless_the_load_holds_it():
@@ -103,11 +103,11 @@ def test_a_scale_along_a_slide_is_refused():
 
 
 def test_the_joint_s_response_is_that_of_the_far_inertia():
-    one = shaft({**LONG, **AT_JOINT, "joint.viscous_n_m_s": 0.5})
-    opened = OpenLoop(one)
+    bench = shaft({**LONG, **AT_JOINT, "joint.viscous_n_m_s": 0.5})
+    opened = OpenLoop(bench)
     omega = np.array([1.0, 300.0, 4000.0])
     s = 1j * omega
-    spring = one.stiffness + s * one.damping
+    spring = bench.stiffness + s * bench.damping
     matrix = np.array([[2e-5 * s**2 + spring, -spring], [-spring, 1e-5 * s**2 + 5e-5 * s + spring]])
     far = np.linalg.inv(np.moveaxis(matrix, -1, 0))[:, 1, 0]
     assert opened(omega, ROW) == pytest.approx(opened.controller(omega, ROW) * far, rel=1e-9)
@@ -126,9 +126,9 @@ def test_matrices_and_frequencies_are_one_loop(changes):
     assert system(1j * omega) == pytest.approx(opened(omega, ROW), rel=1e-6)
 
 
-def poles_are_stable(one):
+def poles_are_stable(plant):
     """Whether the closed loop's poles all lie to the left, by python-control."""
-    closed = control.feedback(control.ss(*state_space(OpenLoop(one), 0)))
+    closed = control.feedback(control.ss(*state_space(OpenLoop(plant), 0)))
     return bool((closed.poles().real < 0).all())
 
 
@@ -137,20 +137,20 @@ def poles_are_stable(one):
 )
 def test_a_loop_around_a_soft_cable_is_unstable_where_its_poles_say_so(where, stable):
     """The far end lags the torque: what the motor's encoder damps, the joint's may drive."""
-    found = []
+    verdicts = []
     for length in (1e-3, 0.05, 0.2, 1.0):
-        one = shaft({"cable.length_m": length, **where})
-        opened = OpenLoop(one)
-        found.append(bool(is_stable(opened, opened.frequencies())[0]))
-        assert poles_are_stable(one) is found[-1], length
-    assert found == stable
+        bench = shaft({"cable.length_m": length, **where})
+        opened = OpenLoop(bench)
+        verdicts.append(bool(is_stable(opened, opened.frequencies())[0]))
+        assert poles_are_stable(bench) is verdicts[-1], length
+    assert verdicts == stable
 
 
 def test_a_filtered_position_delays_the_loop_by_its_time_constant():
     corner = 40.0
-    one = shaft({"controller.position_cutoff_hz": corner})
+    bench = shaft({"controller.position_cutoff_hz": corner})
     lost = 0.02 / (2 * np.pi * corner)
-    assert effective_damping(shaft()) - effective_damping(one) == pytest.approx(lost)
+    assert effective_damping(shaft()) - effective_damping(bench) == pytest.approx(lost)
 
 
 @pytest.mark.parametrize(
@@ -164,14 +164,14 @@ def test_a_filtered_position_delays_the_loop_by_its_time_constant():
 def test_formula_and_certificate_say_that_they_are_not_for_it(changes, words, why):
     inside, broken = formula_conditions(shaft(changes))
     assert not inside.any()
-    assert any(words in one for one in broken)
+    assert any(words in reason for reason in broken)
     assert why in not_applicable(shaft({"compensation.boundary_rad_s": 2.0, **changes}))
 
 
 def test_the_first_lines_name_encoder_and_play():
-    told = plant_of(shaft({**AT_JOINT, **PLAY})).sentence
-    assert "4000 counts a turn of it" in told
-    assert "plays by 0.5 mm at the tip" in told  # 0.1 rad at 5 mm/rad
+    sentence = plant_of(shaft({**AT_JOINT, **PLAY})).sentence
+    assert "4000 counts a turn of it" in sentence
+    assert "plays by 0.5 mm at the tip" in sentence  # 0.1 rad at 5 mm/rad
     assert "plays" not in plant_of(shaft()).sentence
 
 
@@ -182,9 +182,9 @@ WEAK = {"controller.kp_n_m_per_rad": 0.002, "controller.kd_n_m_s_per_rad": 0.0,
         "joint.viscous_n_m_s": 1.0}  # fmt: skip
 
 
-def from_outside(one, *, gamma=0.0, kick, speed=0.0, duration=3.0):
+def from_outside(bench, *, gamma=0.0, kick, speed=0.0, duration=3.0):
     """The measured end's errors in the last quarter, and the twist at the end."""
-    plant = two_masses.elastic(one, feed=gamma * float(one.estimate[0]))
+    plant = two_masses.elastic(bench, feed=gamma * float(bench.estimate[0]))
     _, motor, joint = two_masses.run(plant, kick=kick, speed=speed, duration=duration, steps=20)
     seen = joint if plant.at_joint else motor
     return seen[3 * seen.size // 4 :], joint[-1] - motor[-1]
@@ -205,25 +205,25 @@ def from_outside(one, *, gamma=0.0, kick, speed=0.0, duration=3.0):
     ],
 )
 def test_the_simulator_moves_as_from_outside(changes, gamma, speed, swings):
-    one = shaft({**SOFT, **changes})
-    kick = float(one.kick[0])
-    loop = one.sampled(gamma * ONE)
-    found = simulate(loop, kick=kick, reference_speed=speed, duration=3.0, substeps=10)
-    late, twist = from_outside(one, gamma=gamma, kick=kick, speed=speed)
-    assert bool(found.hunts[0]) is swings
+    bench = shaft({**SOFT, **changes})
+    kick = float(bench.kick[0])
+    loop = bench.sampled(gamma * ONE)
+    motion = simulate(loop, kick=kick, reference_speed=speed, duration=3.0, substeps=10)
+    late, twist = from_outside(bench, gamma=gamma, kick=kick, speed=speed)
+    assert bool(motion.hunts[0]) is swings
     if speed == 0.0:
         assert bool(np.ptp(late) > 4 * COUNT) is swings
-    assert found.amplitude[0] == pytest.approx(np.ptp(late) / 2, rel=0.05, abs=2 * COUNT)
+    assert motion.amplitude[0] == pytest.approx(np.ptp(late) / 2, rel=0.05, abs=2 * COUNT)
     if not swings and speed == 0.0:
-        assert found.final_error[0] == pytest.approx(late[-1], abs=2 * COUNT)
-        assert found.twist[0] == pytest.approx(twist, abs=0.01)
+        assert motion.final_error[0] == pytest.approx(late[-1], abs=2 * COUNT)
+        assert motion.twist[0] == pytest.approx(twist, abs=0.01)
 
 
 def test_the_joint_rests_within_the_steady_error_of_its_own_encoder():
-    one = replace(shaft({**SOFT, **AT_JOINT}), gamma=np.zeros(1))
-    band = float(steady_error(one)[0])
+    bench = replace(shaft({**SOFT, **AT_JOINT}), gamma=np.zeros(1))
+    band = float(steady_error(bench)[0])
     kicks = np.array([-3.0, -1.5, -0.7, 0.7, 1.5, 3.0]) * band
-    loop = one.taken(np.zeros(6, dtype=np.intp)).sampled()
+    loop = bench.taken(np.zeros(6, dtype=np.intp)).sampled()
     rests = np.abs(simulate(loop, kick=kicks, duration=4.0).final_error)
     assert rests.max() <= band + COUNT
     assert rests.max() > 0.6 * band

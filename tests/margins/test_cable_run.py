@@ -16,10 +16,10 @@ LENGTH = 2.0
 
 def friction(factor=1.0, **changes):
     run = loop({f"runs.0.{key}": value for key, value in changes.items()}).runs[0]
-    one = np.ones(1)
+    ones = np.ones(1)
     return run_friction(
-        run, Coefficients(C1 * one, C2 * one, C3 * one), factor * one, run.tension_n * one,
-        LENGTH * one, factor * one,
+        run, Coefficients(C1 * ones, C2 * ones, C3 * ones), factor * ones, run.tension_n * ones,
+        LENGTH * ones, factor * ones,
     )  # fmt: skip
 
 
@@ -37,29 +37,29 @@ def before(tension, angles):
 
 
 def test_thirteen_small_pulleys_at_70_degrees_pass_85_per_cent():
-    found = friction(count=13, wrap_angle_deg=70, topology="open")
-    assert found.efficiency == pytest.approx(0.8505, abs=5e-4)
+    computed = friction(count=13, wrap_angle_deg=70, topology="open")
+    assert computed.efficiency == pytest.approx(0.8505, abs=5e-4)
 
 
 def test_nominal_friction_is_eq_15_on_both_sides():
-    found = friction(wrap_angle_deg=105, topology="antagonist-pair")
-    assert found.nominal == pytest.approx(2 * 5 * ((C1 + 20 * C3) * 10 + C2), rel=1e-12)
+    pair = friction(wrap_angle_deg=105, topology="antagonist-pair")
+    assert pair.nominal == pytest.approx(2 * 5 * ((C1 + 20 * C3) * 10 + C2), rel=1e-12)
     alone = friction(wrap_angle_deg=105, topology="open")
-    assert found.nominal == pytest.approx(2 * alone.nominal, rel=1e-12)
+    assert pair.nominal == pytest.approx(2 * alone.nominal, rel=1e-12)
 
 
 ANGLES = [30.0, 85.0, 150.0, 60.0, 120.0]
 
 
-@pytest.mark.parametrize("known", ["motor", "load"])
-def test_pulley_by_pulley_is_the_recursion(known):
-    found = friction(topology="open", model="recursive", tension_known_at=known,
+@pytest.mark.parametrize("fixed_at", ["motor", "load"])
+def test_pulley_by_pulley_is_the_recursion(fixed_at):
+    computed = friction(topology="open", model="recursive", tension_known_at=fixed_at,
                      wrap_angle_deg=ANGLES)  # fmt: skip
-    if known == "load":  # driving: the motor pulls through all pulleys to 10 N at the load
+    if fixed_at == "load":  # driving: the motor pulls through all pulleys to 10 N at the load
         driving, overhauling = before(10, ANGLES) - 10, 10 - passed(10, ANGLES[::-1])
     else:
         driving, overhauling = 10 - passed(10, ANGLES), before(10, ANGLES[::-1]) - 10
-    assert found.loop == pytest.approx((driving + overhauling) / 2, rel=1e-12)
+    assert computed.loop == pytest.approx((driving + overhauling) / 2, rel=1e-12)
 
 
 def test_with_the_mean_tension_known_it_is_nearly_eq_15():

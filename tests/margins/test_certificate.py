@@ -23,23 +23,23 @@ QUICK = {"cable.axial_stiffness_n": 1e13, "controller.sample_time_s": 1e-6, "con
 @pytest.mark.parametrize("viscous", [0.0, 5e-4])
 def test_without_delay_the_slope_may_be_all_of_the_damping(viscous):
     """J s + b + kd + kp/s has the real part b + kd at every ω: the circle is left of it."""
-    one = shaft({**SMOOTHED, **QUICK, "drive.viscous_n_m_s": viscous})
-    assert one.cable is None
-    assert largest_slope(one) == pytest.approx(viscous + 1e-3, rel=1e-3)
+    bench = shaft({**SMOOTHED, **QUICK, "drive.viscous_n_m_s": viscous})
+    assert bench.cable is None
+    assert largest_slope(bench) == pytest.approx(viscous + 1e-3, rel=1e-3)
 
 
 def test_delay_takes_kp_tau_from_it():
     """At low frequency the compensator may take b_eff = kd − kp τ, τ = 1.5 ms, and no more."""
-    found = largest_slope(shaft({**SMOOTHED, **STIFF}))
+    slope = largest_slope(shaft({**SMOOTHED, **STIFF}))
     b_eff = 1e-3 - 0.02 * 1.5e-3
-    assert found <= b_eff
-    assert found == pytest.approx(b_eff, rel=0.01)
+    assert slope <= b_eff
+    assert slope == pytest.approx(b_eff, rel=0.01)
 
 
 def test_a_loop_that_friction_holds_is_not_certified():
-    one = shaft({**SMOOTHED, **STIFF, "controller.kd_n_m_s_per_rad": 2e-5,
+    bench = shaft({**SMOOTHED, **STIFF, "controller.kd_n_m_s_per_rad": 2e-5,
                  "controller.relies_on_friction": True})  # fmt: skip
-    assert largest_slope(one) == 0.0
+    assert largest_slope(bench) == 0.0
 
 
 RANDOM = {
@@ -78,8 +78,10 @@ def test_the_limit_is_just_below_that_of_the_sampled_loop():
     A stiff loop without viscosity, by the sampled loop's eigenvalues: at the limit of the
     criterion, which knows the continuous stand-in alone, all are stable, and at 1.05 none is.
     """
-    one = loop({**RANDOM, **STIFF})
-    drawn = at_shaft(one, draw_assembly(one, posterior(200), RigDiscrepancy(0.0, ""), seed=9003))
+    settings = loop({**RANDOM, **STIFF})
+    drawn = at_shaft(
+        settings, draw_assembly(settings, posterior(200), RigDiscrepancy(0.0, ""), seed=9003)
+    )
     limit = largest_slope(drawn)
     assert (limit > 0).all()
     for share, stable in ((1.0, True), (1.05, False)):
@@ -98,8 +100,10 @@ def test_the_limit_is_just_below_that_of_the_sampled_loop():
 @pytest.mark.parametrize("cable", [STIFF, {}, {"cable.length_m": 0.1}])
 def test_what_is_certified_does_not_hunt_when_simulated(cable):
     """At rest and along, within and beyond the linear piece; encoder steps are not covered."""
-    one = loop({**RANDOM, **cable})
-    drawn = at_shaft(one, draw_assembly(one, posterior(12), RigDiscrepancy(0.0, ""), seed=3))
+    settings = loop({**RANDOM, **cable})
+    drawn = at_shaft(
+        settings, draw_assembly(settings, posterior(12), RigDiscrepancy(0.0, ""), seed=3)
+    )
     certified = certified_gain(drawn, largest_slope(drawn))
     assert (certified > 0).mean() > 0.5
     speeds = np.array([0.0, 0.3, 1.2])[:, None] * drawn.boundary
@@ -129,8 +133,8 @@ def test_what_is_certified_does_not_hunt_when_simulated(cable):
     ],
 )
 def test_no_number_where_no_sector_holds(changes, why):
-    found = not_applicable(shaft(changes))
-    assert (found is None) if why is None else (why in found)
+    reason = not_applicable(shaft(changes))
+    assert (reason is None) if why is None else (why in reason)
 
 
 def test_the_answer_counts_draws_at_the_gain_of_the_file(tmp_path):
@@ -142,10 +146,10 @@ def test_the_answer_counts_draws_at_the_gain_of_the_file(tmp_path):
         "compensation.gain": 0.5,
         "compensation.estimate_n_m": {"family": "uniform", "low": 0.002, "high": 0.006},
     }
-    found = compute_margins([loop(changes)], draws, simulated=8).summary.loops[0]
-    one = found.certificate
-    assert one.low < (3.492 - 2) / 4 < one.high
-    assert one.gamma.q05 == pytest.approx(0.9 * 2 * 0.97e-3 / 0.0058, rel=0.05)
+    summary = compute_margins([loop(changes)], draws, simulated=8).summary.loops[0]
+    certificate = summary.certificate
+    assert certificate.low < (3.492 - 2) / 4 < certificate.high
+    assert certificate.gamma.q05 == pytest.approx(0.9 * 2 * 0.97e-3 / 0.0058, rel=0.05)
     bare = compute_margins([loop()], draws, simulated=8).summary.loops[0]
     assert bare.certificate is None
     assert "bare sign" in bare.certificate_why

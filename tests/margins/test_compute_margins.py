@@ -56,8 +56,8 @@ def computed(draws, changes=None, simulated=8, **options):
     )
 
 
-def metric(found, name, direction=None):
-    (chosen,) = [m for m in found.loops[0].metrics if (m.name, m.direction) == (name, direction)]
+def metric(summary, name, direction=None):
+    (chosen,) = [m for m in summary.loops[0].metrics if (m.name, m.direction) == (name, direction)]
     return chosen
 
 
@@ -140,9 +140,9 @@ def test_the_discrepancy_of_rigs_is_that_of_the_claims(tmp_path, root):
         "difference_q95": {"small": 0.03 + half, "large": -0.05},
     }
     (tmp_path / "claims.json").write_text(json.dumps(stored), encoding="utf-8")
-    found = rig_discrepancy(tmp_path)
-    assert found.sd == pytest.approx(0.05, rel=1e-9)
-    assert "rigs-agree" in found.source
+    discrepancy = rig_discrepancy(tmp_path)
+    assert discrepancy.sd == pytest.approx(0.05, rel=1e-9)
+    assert "rigs-agree" in discrepancy.source
 
 
 def test_a_probability_of_violation_in_closed_form(many_draws):
@@ -165,11 +165,11 @@ def test_shares_of_variance_by_hand(many_draws):
         "drive.friction_n_m": {"family": "normal", "mean": 0.002, "sd": 3e-4},
         "joint.inertia_kg_m2": {"family": "log-normal", "median": 0.1, "sd_log": 0.3},
     }
-    found = computed(many_draws, changes).loops[0].variance_share
-    for name, one in found.items():  # what does not enter explains exactly nothing
+    variance_shares = computed(many_draws, changes).loops[0].variance_share
+    for name, by_input in variance_shares.items():  # what does not enter explains exactly nothing
         outside = "joint.inertia_kg_m2" if "margin" not in name else "drive.friction_n_m"
-        assert one[outside] == 0.0, name
-    shares = found["steady_error_servo"]
+        assert by_input[outside] == 0.0, name
+    shares = variance_shares["steady_error_servo"]
     other = (1.541e-3 * np.hypot(0.02, 0.05)) ** 2
     total = 2.56e-4**2 + 3e-4**2 + other
     assert shares["runs.0.tension_n"] == pytest.approx(2.56e-4**2 / total, abs=0.1)
@@ -178,10 +178,10 @@ def test_shares_of_variance_by_hand(many_draws):
 
 
 def test_hunting_by_formula_has_the_quantile_of_the_threshold(draws):
-    found = computed(draws, {"spec.limit_cycle_probability_max": 0.1})
-    loop = found.loops[0]
+    summary = computed(draws, {"spec.limit_cycle_probability_max": 0.1})
+    loop = summary.loops[0]
     assert loop.limit_cycle_method == "formula"
-    hunting = metric(found, "gamma_hunting")
+    hunting = metric(summary, "gamma_hunting")
     assert loop.largest_safe_compensation_gain == pytest.approx(
         0.95 * np.interp(0.1, [0.05, 0.10], hunting.quantiles[1:3]), rel=1e-3
     )
@@ -256,14 +256,14 @@ WEAK = {"controller.kd_n_m_s_per_rad": 0.0}
 def test_an_unstable_loop_is_refused_unless_friction_is_relied_on(draws):
     with pytest.raises(InputError, match="stable without friction"):
         computed(draws, WEAK)
-    found = computed(
+    summary = computed(
         draws, {**WEAK, "controller.relies_on_friction": True, "compensation.signal": "none"}
     )
-    assert metric(found, "gain_margin").interval is None
-    assert "unstable without friction" in metric(found, "gain_margin").interval_why
+    assert metric(summary, "gain_margin").interval is None
+    assert "unstable without friction" in metric(summary, "gain_margin").interval_why
     # 4 F/(π ω_n kp τ), F 3.541e-3 on average
     by_hand = 4 * 3.541e-3 / (np.pi * np.sqrt(0.02 / 3e-5) * 0.02 * 1.5e-3)
-    assert metric(found, "amplitude_margin").interval.mean == pytest.approx(by_hand, rel=0.01)
+    assert metric(summary, "amplitude_margin").interval.mean == pytest.approx(by_hand, rel=0.01)
 
 
 def test_an_amplitude_that_is_not_known_is_told_so_and_missed(draws):
@@ -273,10 +273,10 @@ def test_an_amplitude_that_is_not_known_is_told_so_and_missed(draws):
         "controller.relies_on_friction": True,
         "compensation.signal": "none", "spec.amplitude_margin_min_rad": 0.01,
     }  # fmt: skip
-    found = metric(computed(draws, late), "amplitude_margin")
-    assert found.interval is None
-    assert found.interval_why == "not known: b_eff does not tell it in 100.0% of the draws"
-    assert found.probability_of_violation == 1.0
+    margin = metric(computed(draws, late), "amplitude_margin")
+    assert margin.interval is None
+    assert margin.interval_why == "not known: b_eff does not tell it in 100.0% of the draws"
+    assert margin.probability_of_violation == 1.0
 
 
 def test_all_bad_loops_are_told_together(draws, tmp_path):
@@ -322,7 +322,7 @@ def test_formula_and_elastic_cable_agree_over_uncertain_loops(draws):
         "joint.inertia_kg_m2": {"family": "log-normal", "median": 0.1, "sd_log": 0.3},
         "controller.kd_n_m_s_per_rad": {"family": "uniform", "low": 2e-4, "high": 1.2e-3},
     }
-    found = computed(draws, changes, simulated=200, verify=200).loops[0].verification
-    assert found.inside_conditions >= 150
-    assert found.agreement >= 0.95
-    assert found.steady_error_agreement >= 0.95
+    verification = computed(draws, changes, simulated=200, verify=200).loops[0].verification
+    assert verification.inside_conditions >= 150
+    assert verification.agreement >= 0.95
+    assert verification.steady_error_agreement >= 0.95

@@ -28,16 +28,16 @@ from bayesfric.report.chapters.specs import WORDS
 
 def test_what_stands_at_the_shaft():
     # load 0.1/100² = 1e-5; cable force 2·5·(0.128 + 0.0261) N at 1 mm/rad
-    one = shaft({"joint.viscous_n_m_s": 0.01, "drive.viscous_n_m_s": 2e-6, "joint.load_n_m": 3.0})
-    assert one.inertia == pytest.approx(3e-5)
-    assert one.viscous == pytest.approx(1e-6 + 2e-6)
-    assert one.friction == pytest.approx(0.002 + 1e-3 * 1.541)
-    assert one.load_torque == pytest.approx(0.03)
-    assert one.lag == pytest.approx(1.5e-3)
-    assert one.tip_per_rad == pytest.approx(0.5 / 100)
-    assert one.stiffness == pytest.approx(1e-6 * 2 * 15e3 / 0.01)
-    assert one.clip == pytest.approx(0.1)
-    assert one.lost_motion == pytest.approx(1541e-3 / (2 * 2 * 15e3 / 0.01) / 1e-3)
+    bench = shaft({"joint.viscous_n_m_s": 0.01, "drive.viscous_n_m_s": 2e-6, "joint.load_n_m": 3.0})
+    assert bench.inertia == pytest.approx(3e-5)
+    assert bench.viscous == pytest.approx(1e-6 + 2e-6)
+    assert bench.friction == pytest.approx(0.002 + 1e-3 * 1.541)
+    assert bench.load_torque == pytest.approx(0.03)
+    assert bench.lag == pytest.approx(1.5e-3)
+    assert bench.tip_per_rad == pytest.approx(0.5 / 100)
+    assert bench.stiffness == pytest.approx(1e-6 * 2 * 15e3 / 0.01)
+    assert bench.clip == pytest.approx(0.1)
+    assert bench.lost_motion == pytest.approx(1541e-3 / (2 * 2 * 15e3 / 0.01) / 1e-3)
 
 
 @pytest.mark.parametrize(
@@ -51,26 +51,26 @@ def test_what_stands_at_the_shaft():
     ],
 )
 def test_gains_of_any_frame_come_to_the_shaft(torque_at, angle_of, factor):
-    one = shaft({"controller.torque_at": torque_at, "controller.angle_of": angle_of})
-    assert one.kp == pytest.approx(0.02 / factor)
-    assert one.kd == pytest.approx(1e-3 / factor)
+    bench = shaft({"controller.torque_at": torque_at, "controller.angle_of": angle_of})
+    assert bench.kp == pytest.approx(0.02 / factor)
+    assert bench.kd == pytest.approx(1e-3 / factor)
 
 
 @pytest.mark.parametrize(("force", "measured"), [(1.0, 1.42), (2.0, 2.84), (4.0, 5.68)])
 def test_the_amplitude_that_friction_holds(force, measured):
     # Kp 0.05 over 26/7, J 3.4e-6, no damping, 1.5 ms in all: simulated 1.42, 2.84, 5.68 rad
     gear = 26 / 7
-    one = shaft({
+    bench = shaft({
         "controller.kp_n_m_per_rad": 0.05, "controller.torque_at": "gearbox-output",
         "controller.kd_n_m_s_per_rad": 0.0, "drive.gearbox_ratio": gear,
         "compensation.signal": "none",
     })  # fmt: skip
-    one = replace(one, motor_inertia=np.array([3.4e-6]), load_inertia=np.zeros(1),
+    bench = replace(bench, motor_inertia=np.array([3.4e-6]), load_inertia=np.zeros(1),
                   friction=np.array([force * 0.005005 / gear]))  # fmt: skip
     kp = 0.05 / gear
     by_hand = 4 * force * 0.005005 / gear / (np.pi * np.sqrt(kp / 3.4e-6) * kp * 1.5e-3)
-    assert amplitude_margin(one) == pytest.approx(by_hand, rel=1e-12)
-    assert amplitude_margin(one) == pytest.approx(measured, rel=0.1)
+    assert amplitude_margin(bench) == pytest.approx(by_hand, rel=1e-12)
+    assert amplitude_margin(bench) == pytest.approx(measured, rel=0.1)
 
 
 STIFF = {"cable.axial_stiffness_n": 1e9, "compensation.signal": "none"}
@@ -79,12 +79,12 @@ STIFF = {"cable.axial_stiffness_n": 1e9, "compensation.signal": "none"}
 def test_an_integral_takes_from_the_damping_and_friction_holds_so_much_less():
     # unstable from ki = b kp/J on; at 1.2 of it b_eff is −0.2 b, and A is 4F/(0.2 π ω_n b)
     damping = 1e-3 - 0.02 * 1.5e-3
-    one = shaft({**STIFF, "controller.ki_n_m_per_rad_s": 1.2 * damping * 0.02 / 3e-5})
-    held = amplitude_margin(one)
+    bench = shaft({**STIFF, "controller.ki_n_m_per_rad_s": 1.2 * damping * 0.02 / 3e-5})
+    held = amplitude_margin(bench)
     by_hand = 4 * 0.003541 / (np.pi * np.sqrt(0.02 / 3e-5) * 0.2 * damping)
     assert held == pytest.approx(by_hand, rel=1e-9)
-    assert closed_forms(one, linear_of(one))["amplitude_margin", None] == pytest.approx(by_hand)
-    tried = one.taken(np.zeros(2, dtype=int)).sampled()
+    assert closed_forms(bench, linear_of(bench))["amplitude_margin", None] == pytest.approx(by_hand)
+    tried = bench.taken(np.zeros(2, dtype=int)).sampled()
     motion = simulate(tried, kick=np.array([0.95, 1.15]) * held, duration=3.0)
     assert motion.hunts.tolist() == [False, True]
 
@@ -92,9 +92,9 @@ def test_an_integral_takes_from_the_damping_and_friction_holds_so_much_less():
 def test_a_compensator_of_the_error_is_a_spring_that_delay_makes_ring():
     # kp + 0.003/0.01 = 0.32, with a delay of 1.5 ms: 4.8e-4 against kd of 3.5e-4
     band = {"compensation.signal": "error", "compensation.boundary_rad": 0.01}
-    one = shaft({**STIFF, **band, "controller.kd_n_m_s_per_rad": 3.5e-4})
+    bench = shaft({**STIFF, **band, "controller.kd_n_m_s_per_rad": 3.5e-4})
     by_hand = 4 * 0.003541 / (np.pi * np.sqrt(0.32 / 3e-5) * 1.3e-4)
-    assert amplitude_margin(one) == pytest.approx(by_hand, rel=1e-9)
+    assert amplitude_margin(bench) == pytest.approx(by_hand, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -105,12 +105,12 @@ def test_a_compensator_of_the_error_is_a_spring_that_delay_makes_ring():
     ],
 )  # fmt: skip
 def test_an_amplitude_that_is_not_known_counts_as_missed(changes):
-    one = shaft({**changes, "spec.amplitude_margin_min_rad": 0.01})
-    linear = linear_of(one)
+    bench = shaft({**changes, "spec.amplitude_margin_min_rad": 0.01})
+    linear = linear_of(bench)
     assert not linear[None].stable.any()
-    values = closed_forms(one, linear)
+    values = closed_forms(bench, linear)
     assert np.isnan(values["amplitude_margin", None]).all()
-    assert missed_draws(one, values)["amplitude_margin"].all()
+    assert missed_draws(bench, values)["amplitude_margin"].all()
 
 
 def test_compensation_takes_from_what_holds():
@@ -125,47 +125,47 @@ def test_compensation_takes_from_what_holds():
 def test_the_threshold_grows_with_damping(ratio, threshold):
     # ω_n τ = 0.05: of the ratio, 0.025 goes to the delay
     kp = 3e-5 * (0.05 / 1.5e-3) ** 2
-    one = shaft({
+    bench = shaft({
         "controller.kp_n_m_per_rad": kp, "compensation.estimate_n_m": 0.003541,
         "controller.kd_n_m_s_per_rad": 2 * ratio * np.sqrt(kp * 3e-5),
     })  # fmt: skip
-    assert effective_damping(one) / (2 * np.sqrt(kp * 3e-5)) == pytest.approx(ratio - 0.025)
-    assert formula_threshold(one) == pytest.approx(threshold, abs=0.012)
+    assert effective_damping(bench) / (2 * np.sqrt(kp * 3e-5)) == pytest.approx(ratio - 0.025)
+    assert formula_threshold(bench) == pytest.approx(threshold, abs=0.012)
 
 
 @pytest.mark.parametrize(("counts", "applies"), [(12_000, True), (100_000, False)])
 def test_the_threshold_is_where_the_simulator_begins_to_hunt(counts, applies):
     # ω_n τ = 0.05 and ζ = 0.6: 1 + tanh(π 0.6/1.6) = 1.827, where 1 + π 0.6/2 is 1.942
     kp = 3e-5 * (0.05 / 1.5e-3) ** 2
-    one = shaft({
+    bench = shaft({
         "controller.kp_n_m_per_rad": kp, "compensation.estimate_n_m": 0.003541,
         "controller.kd_n_m_s_per_rad": 2 * 0.625 * np.sqrt(kp * 3e-5),
         "controller.encoder_counts_per_revolution": counts,
     })  # fmt: skip
-    threshold = formula_threshold(one)
+    threshold = formula_threshold(bench)
     assert threshold == pytest.approx(1.827, abs=1e-3)
-    inside, broken = formula_conditions(one)
+    inside, broken = formula_conditions(bench)
     # a finer encoder sees the motor spring back on its cable, and hunting begins below 0.85 γ*
     assert inside.all() == applies
     assert applies or broken == ("F stretches the cable by at most 3 encoder counts",)
     shares = np.array([0.95, 1.05] if applies else [0.75, 0.89])
-    tried = one.taken(np.zeros(2, dtype=int))
+    tried = bench.taken(np.zeros(2, dtype=int))
     still = after_a_kick(tried.sampled(shares * threshold), tried.kick, np.zeros(2)).hunts
     assert still.tolist() == [False, True]
 
 
 def test_at_the_threshold_the_swing_reaches_the_stuck_band():
-    one = shaft()
-    one = replace(one, gamma=formula_threshold(one))
-    assert swing_amplitude(one) == pytest.approx(one.friction / one.kp, rel=1e-12)
-    assert np.isnan(swing_amplitude(replace(one, gamma=np.array([1.0])))).all()
-    assert natural_frequency(one) == pytest.approx(np.sqrt(0.02 / 3e-5))
+    bench = shaft()
+    bench = replace(bench, gamma=formula_threshold(bench))
+    assert swing_amplitude(bench) == pytest.approx(bench.friction / bench.kp, rel=1e-12)
+    assert np.isnan(swing_amplitude(replace(bench, gamma=np.array([1.0])))).all()
+    assert natural_frequency(bench) == pytest.approx(np.sqrt(0.02 / 3e-5))
 
 
 def test_below_the_gain_that_is_necessary_at_rest_a_creeping_loop_hunts():
-    one = shaft({"compensation.estimate_n_m": 0.003541})
-    assert necessary_gain(one) == pytest.approx(1.0)
-    creeping = run(one, (Condition(counts=0.2), REST), np.array([0.6]))
+    bench = shaft({"compensation.estimate_n_m": 0.003541})
+    assert necessary_gain(bench) == pytest.approx(1.0)
+    creeping = run(bench, (Condition(counts=0.2), REST), np.array([0.6]))
     assert creeping.hunts.tolist() == [True, False]
     note = next(rule.note for rule in RULES if rule.name == "gamma_necessary")
     assert "cannot hunt with the reference at rest" in note
@@ -194,7 +194,7 @@ def test_outside_its_conditions_the_formula_says_so(changes, words):
     assert inside.all(), broken
     inside, broken = formula_conditions(shaft(changes))
     assert not inside.any()
-    assert any(words in one for one in broken)
+    assert any(words in reason for reason in broken)
 
 
 def test_the_steady_error_of_each_compensator():
@@ -212,11 +212,11 @@ def test_the_steady_error_of_each_compensator():
 def test_a_compensator_that_holds_its_sign_pushes_against_the_new_motion(signal):
     # γ F̂ = 0.5 × 0.003 beside F = 0.003541, over kp = 0.02; 5 mm a radian at the tip
     holds = {"compensation.signal": signal, "compensation.gain": 0.5}
-    one = shaft({**holds, "compensation.at_rest": "hold"})
-    assert reversing_error(one) == pytest.approx((0.003541 + 0.0015) / 0.02)
-    values = closed_forms(one, linear_of(one))
+    bench = shaft({**holds, "compensation.at_rest": "hold"})
+    assert reversing_error(bench) == pytest.approx((0.003541 + 0.0015) / 0.02)
+    values = closed_forms(bench, linear_of(bench))
     assert values["smallest_step", None] == pytest.approx(5e-3 * 0.005041 / 0.02)
-    unseen = float(one.unseen_motion[0])
+    unseen = float(bench.unseen_motion[0])
     assert values["reversal_error", None] == pytest.approx(2 * 5e-3 * (0.005041 / 0.02 + unseen))
     assert values["steady_error_servo", None] == pytest.approx(5e-3 * 0.003541 / 0.02)
     off = shaft({**holds, "compensation.at_rest": "off"})
@@ -225,11 +225,11 @@ def test_a_compensator_that_holds_its_sign_pushes_against_the_new_motion(signal)
 
 def test_a_step_back_moves_a_joint_that_holds_its_sign_from_where_it_is_said():
     # arrived from the other side, it stands at the reference with the compensator's sign behind it
-    one = shaft({"compensation.gain": 0.5, "compensation.at_rest": "hold"})
-    band = float(reversing_error(one)[0])
+    bench = shaft({"compensation.gain": 0.5, "compensation.at_rest": "hold"})
+    band = float(reversing_error(bench)[0])
     # with the kick, the error is ahead of the reference: from it the joint moves back, and its
     # sign turns; the first command still has the sign that its beginning left, none
-    arrives = traced(one.sampled(), kick=one.kick, duration=1.0).traces
+    arrives = traced(bench.sampled(), kick=bench.kick, duration=1.0).traces
     stops = float(arrives.position[-1, 0])
     assert arrives.speed[-1, 0] == 0.0
     torque = float(arrives.torque[-1, 0])

@@ -34,14 +34,14 @@ CABLE = 1.541e-3  # N·m at the shaft: 10 pulleys at 10 N, a cable at 1 mm/rad
 
 
 def acts(effect, variant, amplitude, shape=0.0):
-    one = np.ones(1)
-    return DrawnEffect(all_effects()[effect], amplitude * one, shape * one, np.array([variant]))
+    ones = np.ones(1)
+    return DrawnEffect(all_effects()[effect], amplitude * ones, shape * ones, np.array([variant]))
 
 
 def added(*acting, changes=None):
-    one = shaft(changes)
+    bench = shaft(changes)
     given = replace(nominal_assembly(loop(changes), posterior()), acting=acting)
-    return one, with_effects(one, given)
+    return bench, with_effects(bench, given)
 
 
 def write_diagnosis(folder, *names, coefficients=SMALL, probability=1.0, draws=200, **columns):
@@ -110,12 +110,12 @@ def test_an_effect_weighs_as_much_as_it_is_probable_and_the_law_is_the_refitted_
         tmp_path, "viscous", coefficients=(0.01, 0.02, 1e-5), probability=0.25,
         amplitude=[0.2], shape=[0.0], variant=["constant"],
     )  # fmt: skip
-    found = read_diagnosed(path, fitted, seed=1)
-    (one,) = found.posterior.acting
-    assert one.amplitude.mean() == pytest.approx(0.25 * 0.2)
-    assert set(one.variant) == {"", "constant"}
-    assert found.posterior.coefficients["small"].c1 == pytest.approx(np.full(400, 0.01))
-    assert found.posterior.omega["small"] == pytest.approx(np.full(400, 0.02))
+    diagnosed = read_diagnosed(path, fitted, seed=1)
+    (acting,) = diagnosed.posterior.acting
+    assert acting.amplitude.mean() == pytest.approx(0.25 * 0.2)
+    assert set(acting.variant) == {"", "constant"}
+    assert diagnosed.posterior.coefficients["small"].c1 == pytest.approx(np.full(400, 0.01))
+    assert diagnosed.posterior.omega["small"] == pytest.approx(np.full(400, 0.02))
 
 
 @pytest.mark.nightly
@@ -124,9 +124,9 @@ def test_a_board_with_viscous_friction_makes_the_margins_of_the_true_law(tmp_pat
     recording = simulate_recording("quick", seed=1, effects={"viscous": 1.0})
     diagnose(recording).write(tmp_path)
     (effect,) = recording.metadata["simulation"]["truth"]["effects"]
-    found = read_diagnosed(tmp_path / "diagnosis.json", posterior(n=2000, omega=0.015), seed=1)
+    diagnosed = read_diagnosed(tmp_path / "diagnosis.json", posterior(n=2000, omega=0.015), seed=1)
     true = replace(posterior(n=2000, omega=0.015), coefficients={
-        size: Coefficients(*(np.full(2000, float(one)) for one in law))
+        size: Coefficients(*(np.full(2000, float(coefficient)) for coefficient in law))
         for size, law in table1_coefficients().items()
     })  # fmt: skip
     slope = DrawnEffect(
@@ -134,9 +134,9 @@ def test_a_board_with_viscous_friction_makes_the_margins_of_the_true_law(tmp_pat
         np.zeros(2000), np.full(2000, effect["law"]),
     )  # fmt: skip
     for name in bundled_loops():
-        one = read_loop(Path(name))
+        settings = read_loop(Path(name))
         expected, got = (
-            _figures(one, law) for law in (replace(true, acting=(slope,)), found.posterior)
+            _figures(settings, law) for law in (replace(true, acting=(slope,)), diagnosed.posterior)
         )
         assert expected.keys() == got.keys()
         for key, values in expected.items():
@@ -145,9 +145,9 @@ def test_a_board_with_viscous_friction_makes_the_margins_of_the_true_law(tmp_pat
                 assert np.quantile(got[key], q) == pytest.approx(wanted, rel=0.02), (name, key, q)
 
 
-def _figures(one, law):
-    given = draw_assembly(one, law, RigDiscrepancy(0.0, ""), seed=1)
-    after = with_effects(at_shaft(one, given), given)
+def _figures(settings, law):
+    given = draw_assembly(settings, law, RigDiscrepancy(0.0, ""), seed=1)
+    after = with_effects(at_shaft(settings, given), given)
     values = closed_forms(after, linear_of(after)) | {("viscous", None): after.viscous}
     return {key: value for key, value in values.items() if np.isfinite(value).all()}
 
@@ -157,9 +157,9 @@ def test_what_belongs_to_the_board_stays_there(tmp_path):
         tmp_path, "cable-weight", "viscous",
         amplitude=[1.0, 0.2], shape=[0.0, 0.0], variant=["constant", "no-such-law"],
     )  # fmt: skip
-    found = read_diagnosed(path, posterior(), seed=1)
-    assert found.posterior.acting == ()
-    assert [text.partition(":")[0] for text in found.left_out] == ["cable-weight", "viscous"]
+    diagnosed = read_diagnosed(path, posterior(), seed=1)
+    assert diagnosed.posterior.acting == ()
+    assert [text.partition(":")[0] for text in diagnosed.left_out] == ["cable-weight", "viscous"]
 
 
 def test_a_diagnosis_without_a_refitted_law_is_refused(tmp_path):
@@ -183,22 +183,22 @@ def test_before_and_after_stand_side_by_side(tmp_path):
     path = write_diagnosis(
         tmp_path, "stribeck", amplitude=[0.4], shape=[1e-3], variant=["exponential"]
     )
-    one = loop({"compensation.signal": "none"})
-    margins = compute_margins([one], draws, diagnosis=path, law="fitted", simulated=8)
-    (found,) = margins.summary.loops
-    assert found.with_effects.effects == ("stribeck",)
+    settings = loop({"compensation.signal": "none"})
+    margins = compute_margins([settings], draws, diagnosis=path, law="fitted", simulated=8)
+    (refitted_loop,) = margins.summary.loops
+    assert refitted_loop.with_effects.effects == ("stribeck",)
     before, after = (
         {metric.name: metric.interval for metric in rows}
-        for rows in (found.metrics, found.with_effects.metrics)
+        for rows in (refitted_loop.metrics, refitted_loop.with_effects.metrics)
     )
     wider = after["steady_error_servo"].mean / before["steady_error_servo"].mean
     assert wider == pytest.approx(1 + 0.4 * 1.541 / 3.541, rel=0.01)
-    (plain,) = compute_margins([one], draws, law="fitted", simulated=8).summary.loops
-    assert plain.metrics == found.metrics
+    (plain,) = compute_margins([settings], draws, law="fitted", simulated=8).summary.loops
+    assert plain.metrics == refitted_loop.metrics
     assert plain.with_effects is None
     assert plain.with_effects_why == "no diagnosis was given"
     nothing = write_diagnosis(tmp_path)
-    (none,) = compute_margins([one], draws, diagnosis=nothing, simulated=8).summary.loops
+    (none,) = compute_margins([settings], draws, diagnosis=nothing, simulated=8).summary.loops
     assert none.with_effects is None
     assert "no effect that may act" in none.with_effects_why
 
@@ -228,43 +228,43 @@ def beside(folder, **changes):
 
 def test_margins_are_of_the_refitted_law_where_a_cause_is_named_beside_the_draws(tmp_path):
     draws, path = beside(tmp_path)
-    one = loop({"compensation.signal": "none"})
-    found = compute_margins([one], draws, simulated=8).summary
-    assert (found.law.used, found.law.effects) == ("refitted", ("stribeck",))
-    assert "stribeck, which diagnosis.json names" in found.law.sentence
-    assert found.attention == ()
-    plain = compute_margins([one], draws, diagnosis=path, law="fitted", simulated=8).summary
+    settings = loop({"compensation.signal": "none"})
+    summary = compute_margins([settings], draws, simulated=8).summary
+    assert (summary.law.used, summary.law.effects) == ("refitted", ("stribeck",))
+    assert "stribeck, which diagnosis.json names" in summary.law.sentence
+    assert summary.attention == ()
+    plain = compute_margins([settings], draws, diagnosis=path, law="fitted", simulated=8).summary
     after = {metric.name: metric.interval for metric in plain.loops[0].with_effects.metrics}
-    now = {metric.name: metric.interval for metric in found.loops[0].metrics}
+    now = {metric.name: metric.interval for metric in summary.loops[0].metrics}
     assert now == after  # the same draws of the same law
-    assert found.loops[0].with_effects is None
-    assert "that the diagnosis refitted" in found.loops[0].with_effects_why
-    shares = found.loops[0].variance_share  # computed over other draws of the same law
+    assert summary.loops[0].with_effects is None
+    assert "that the diagnosis refitted" in summary.loops[0].with_effects_why
+    shares = summary.loops[0].variance_share  # computed over other draws of the same law
     assert all(0 <= share <= 1 for groups in shares.values() for share in groups.values())
 
 
 def test_the_law_alone_says_that_a_cause_is_named_and_by_how_much_it_is_wrong(tmp_path):
     draws, _ = beside(tmp_path)
-    found = compute_margins([loop()], draws, law="fitted", simulated=8).summary
-    assert found.law.used == "fitted"
-    (line,) = found.attention
+    summary = compute_margins([loop()], draws, law="fitted", simulated=8).summary
+    assert summary.law.used == "fitted"
+    (line,) = summary.attention
     assert "diagnosis.json names stribeck" in line
     assert line.endswith("fitted without it: c2[small] 68% too high")
 
 
 def test_a_diagnosis_that_names_nothing_leaves_the_law_and_says_so(tmp_path):
     draws, _ = beside(tmp_path, causes=())
-    found = compute_margins([loop()], draws, simulated=8).summary
-    assert (found.law.used, found.attention) == ("fitted", ())
-    assert found.law.sentence.endswith("diagnosis.json names no cause.")
+    summary = compute_margins([loop()], draws, simulated=8).summary
+    assert (summary.law.used, summary.attention) == ("fitted", ())
+    assert summary.law.sentence.endswith("diagnosis.json names no cause.")
 
 
 def test_a_diagnosis_of_another_recording_is_not_used_and_told(tmp_path):
     other = {"name": "other", "title": "", "sha256": "0" * 64}
     draws, _ = beside(tmp_path, recording=RecordingId(**other))
-    found = compute_margins([loop()], draws, simulated=8).summary
-    assert found.law.used == "fitted"
-    (line,) = found.attention
+    summary = compute_margins([loop()], draws, simulated=8).summary
+    assert summary.law.used == "fitted"
+    (line,) = summary.attention
     assert "of another recording, and is not used" in line
     with pytest.raises(InputError, match="of the recording of the draws"):
         compute_margins([loop()], draws, law="refitted", simulated=8)
@@ -272,8 +272,8 @@ def test_a_diagnosis_of_another_recording_is_not_used_and_told(tmp_path):
 
 def test_the_refitted_law_cannot_be_had_without_a_diagnosis(tmp_path):
     draws = write_draws(tmp_path / "draws.nc", n=80)
-    found = compute_margins([loop()], draws, simulated=8).summary
-    assert found.law.sentence.endswith("no diagnosis lies beside the draws.")
+    summary = compute_margins([loop()], draws, simulated=8).summary
+    assert summary.law.sentence.endswith("no diagnosis lies beside the draws.")
     with pytest.raises(InputError, match="a diagnosis, which --law refitted needs"):
         compute_margins([loop()], draws, law="refitted", simulated=8)
 
@@ -290,7 +290,7 @@ def test_effects_go_with_the_draws_of_the_law():
     )
     other = draw_assembly(loop(), numbered, RigDiscrepancy(0.0, ""), 1, stream=1)
     first = draw_assembly(loop(), numbered, RigDiscrepancy(0.0, ""), 1)
-    for one in (first, other, other.taken(np.array([5, 3, 9])), first.with_group(GROUP, other)):
-        (acting,) = one.acting
-        np.testing.assert_array_equal(acting.amplitude, one.coefficients["small"].c1)
+    for draws in (first, other, other.taken(np.array([5, 3, 9])), first.with_group(GROUP, other)):
+        (acting,) = draws.acting
+        np.testing.assert_array_equal(acting.amplitude, draws.coefficients["small"].c1)
     assert not np.array_equal(first.acting[0].amplitude, other.acting[0].amplitude)

@@ -27,19 +27,21 @@ OPEN = {"runs.0.topology": "open", "joint.viscous_n_m_s": 0.1, "cable.length_m":
 FINE = np.exp(np.linspace(-0.03, 0.03, 601))  # a step of the package's grid either way
 
 
-def ensemble(one):
+def ensemble(settings):
     drawn = posterior(20, sd=0.1)
-    given = draw_assembly(one, drawn, RigDiscrepancy(0.0, ""), seed=1)
-    return Ensemble(at_shaft(one, nominal_assembly(one, drawn)), at_shaft(one, given))
+    given = draw_assembly(settings, drawn, RigDiscrepancy(0.0, ""), seed=1)
+    return Ensemble(
+        at_shaft(settings, nominal_assembly(settings, drawn)), at_shaft(settings, given)
+    )
 
 
 @pytest.mark.parametrize(
-    "one",
+    "settings",
     [*map(Path, ("raven-elbow", "raven-insertion", "raven-tool-rotation")), OPEN],
     ids=["elbow", "insertion", "tool", "integral and low-pass"],
 )
-def test_python_control_finds_the_margins_of_the_package(one):
-    made = ensemble(loop(one) if isinstance(one, dict) else read_loop(one))
+def test_python_control_finds_the_margins_of_the_package(settings):
+    made = ensemble(loop(settings) if isinstance(settings, dict) else read_loop(settings))
     rows = made.some(1)
     for direction in made.drawn.directions:
         systems = made.to_control(rows.size, direction)
@@ -76,20 +78,20 @@ def peak(closed, omega):
 def test_results_hand_over_their_loop_and_its_draws(tmp_path):
     draws = write_draws(tmp_path / "draws.nc", n=40)
     uncertain = {"drive.inertia_kg_m2": {"family": "uniform", "low": 1e-5, "high": 3e-5}}
-    found = compute_margins(loop(uncertain), draws, simulated=2)
-    nominal, *others = found.to_control(draws=6)
-    assert [one.name for one in (nominal, *others[:2])] == ["bench nominal", "bench draw 0",
+    margins = compute_margins(loop(uncertain), draws, simulated=2)
+    nominal, *others = margins.to_control(draws=6)
+    assert [system.name for system in (nominal, *others[:2])] == ["bench nominal", "bench draw 0",
                                                             "bench draw 7"]  # fmt: skip
     # a high frequency sees the rotor alone: |L ω²| = |C|/J, J of the nominal 2e-5
-    apart = [abs(one(1e5j) / nominal(1e5j)) for one in others]
-    rotor = found.ensembles[0].drawn.motor_inertia[[0, 7, 15, 23, 31, 39]]
+    apart = [abs(transfer(1e5j) / nominal(1e5j)) for transfer in others]
+    rotor = margins.ensembles[0].drawn.motor_inertia[[0, 7, 15, 23, 31, 39]]
     assert apart == pytest.approx(2e-5 / rotor, rel=1e-3)
     with pytest.raises(InputError, match="one of bench"):
-        found.to_control("other")
+        margins.to_control("other")
     with pytest.raises(InputError, match="direction"):
-        found.to_control(direction="driving")
+        margins.to_control(direction="driving")
     with pytest.raises(InputError, match=r"margins\.json holds no draws"):
-        Margins(found.summary).to_control()
+        Margins(margins.summary).to_control()
 
 
 def test_without_python_control_it_says_what_to_install(monkeypatch):

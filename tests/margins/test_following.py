@@ -33,7 +33,7 @@ def a_loop(**changes):
 
 
 def stroke(begin=0.0, step=0.0, ramp=0.0, turn=np.inf, amplitude=0.0, omega=0.0):
-    return Stroke(*(np.array([one]) for one in (begin, step, ramp, turn, amplitude, omega)))
+    return Stroke(*(np.array([value]) for value in (begin, step, ramp, turn, amplitude, omega)))
 
 
 # --- the reference ----------------------------------------------------------------------
@@ -52,12 +52,12 @@ def test_a_stroke_is_where_its_words_say():
 
 @pytest.mark.parametrize("compensator", ["none", "reference", "measured", "error"])
 def test_a_ramp_from_the_first_sample_on_is_the_constant_speed(compensator):
-    one = a_loop(friction=2e-3, kd=5e-4, delay=1.3e-3, counts_per_revolution=400, ki=0.1,
+    servo = a_loop(friction=2e-3, kd=5e-4, delay=1.3e-3, counts_per_revolution=400, ki=0.1,
                  compensation_signal=compensator, compensation_gain=0.8,
                  compensation_estimate=2e-3, boundary=0.1)  # fmt: skip
-    moving = follow(one, ConstantSpeed(np.array([3.0])), 0.4)
-    np.testing.assert_array_equal(moving, follow(one, stroke(ramp=3.0), 0.4))
-    traces = traced(one, kick=0.0, duration=0.4, reference_speed=3.0).traces
+    moving = follow(servo, ConstantSpeed(np.array([3.0])), 0.4)
+    np.testing.assert_array_equal(moving, follow(servo, stroke(ramp=3.0), 0.4))
+    traces = traced(servo, kick=0.0, duration=0.4, reference_speed=3.0).traces
     last = 3.0 * traces.time[-1] - traces.position[-1]
     assert moving[-1] == pytest.approx(last, abs=1e-12)
 
@@ -67,21 +67,21 @@ def test_a_ramp_from_the_first_sample_on_is_the_constant_speed(compensator):
 
 def test_a_ramp_is_followed_by_the_velocity_error():
     # kp e = b v, whatever kd and the delay
-    one = a_loop(kd=np.array([0.0, 4e-4]), delay=1e-3)
+    servo = a_loop(kd=np.array([0.0, 4e-4]), delay=1e-3)
     path = Stroke(*np.array([[0.1, 0.1], [0, 0], [2.0, 5.0], [np.inf] * 2, [0, 0], [0, 0]]))
-    assert follow(one, path, 2.0)[-1] == pytest.approx(B * np.array([2.0, 5.0]) / KP, rel=1e-6)
+    assert follow(servo, path, 2.0)[-1] == pytest.approx(B * np.array([2.0, 5.0]) / KP, rel=1e-6)
 
 
 def test_a_joint_on_its_cable_is_behind_by_its_own_drag_too():
     # of the viscous friction, the joint's part winds the cable up
     drag = {"joint.viscous_n_m_s": 5.0, "drive.friction_n_m": 0.0, "runs.0.tension_n": 1e-9}
-    one = shaft(MOVES | SOFT | drag | {"controller.encoder_counts_per_revolution": 1e9})
-    one = replace(one, friction=0 * one.friction + 1e-12)
-    assert one.cable is not None
+    bench = shaft(MOVES | SOFT | drag | {"controller.encoder_counts_per_revolution": 1e9})
+    bench = replace(bench, friction=0 * bench.friction + 1e-12)
+    assert bench.cable is not None
     speed = 4.0
-    error = follow(with_compensator(one, "none"), stroke(begin=0.1, ramp=speed), 3.0)[-1]
-    wanted = one.viscous * speed / one.kp + one.load_viscous * speed / one.stiffness
-    assert one.load_viscous[0] / one.stiffness[0] > 0.2 * one.viscous[0] / one.kp[0]
+    error = follow(with_compensator(bench, "none"), stroke(begin=0.1, ramp=speed), 3.0)[-1]
+    wanted = bench.viscous * speed / bench.kp + bench.load_viscous * speed / bench.stiffness
+    assert bench.load_viscous[0] / bench.stiffness[0] > 0.2 * bench.viscous[0] / bench.kp[0]
     assert error == pytest.approx(wanted, rel=1e-3)
 
 
@@ -89,19 +89,21 @@ def test_a_joint_on_its_cable_is_behind_by_its_own_drag_too():
 def test_a_sine_is_followed_by_the_sensitivity(hertz, kd):
     # the plant by its own hold, one sample late, and the first difference, as SciPy has them
     omega, amplitude = 2 * np.pi * hertz, 0.7
-    one = a_loop(kd=kd, delay=T)
-    error = follow(one, stroke(amplitude=amplitude, omega=omega), 4.0 / min(hertz, 4.0) + 2.0)
+    servo = a_loop(kd=kd, delay=T)
+    error = follow(servo, stroke(amplitude=amplitude, omega=omega), 4.0 / min(hertz, 4.0) + 2.0)
     last = error[-round(2 / hertz / T) :, 0]
     time = np.arange(last.size) * T
-    found = 2 * abs(np.mean(last * np.exp(-1j * omega * time)))
+    amplitude_of_error = 2 * abs(np.mean(last * np.exp(-1j * omega * time)))
     num, den, _ = signal.cont2discrete(([1.0], [J, B, 0.0]), T)
     z = np.exp(1j * omega * T)
     plant = np.polyval(num.ravel(), z) / np.polyval(den, z) / z
     sensitivity = 1 / (1 + plant * (KP + kd * (1 - 1 / z) / T))
     # S itself where the derivative has the reference's as well: within 3 %
-    assert found / amplitude == pytest.approx(abs(sensitivity), rel=1e-3 if kd == 0 else 0.03)
+    assert amplitude_of_error / amplitude == pytest.approx(
+        abs(sensitivity), rel=1e-3 if kd == 0 else 0.03
+    )
     exact = 1 - plant * (KP + kd * 1j * omega) * sensitivity
-    assert found / amplitude == pytest.approx(abs(exact), rel=1e-3)
+    assert amplitude_of_error / amplitude == pytest.approx(abs(exact), rel=1e-3)
 
 
 # --- friction ---------------------------------------------------------------------------
@@ -110,9 +112,9 @@ def test_a_sine_is_followed_by_the_sensitivity(hertz, kd):
 def test_a_reversal_loses_twice_the_stuck_band():
     # P alone: the shaft stands while the reference goes from F/kp ahead to F/kp behind
     friction, speed = 4e-3, 0.2
-    one = a_loop(friction=friction)
+    servo = a_loop(friction=friction)
     path = stroke(ramp=speed, turn=3.0)
-    error = follow(one, path, 8.0)[:, 0]
+    error = follow(servo, path, 8.0)[:, 0]
     time = np.arange(error.size) * T
     where = np.array([path.position(np.array([t]))[0] for t in time])
     shaft_at = where - error
@@ -126,10 +128,10 @@ def test_a_reversal_loses_twice_the_stuck_band():
 def test_a_compensator_of_the_reference_takes_friction_off_the_ramp():
     # (F − γF̂)/kp is left
     friction = np.array([3e-3, 4e-3])
-    one = a_loop(friction=friction, compensation_signal="reference", compensation_gain=0.5,
+    servo = a_loop(friction=friction, compensation_signal="reference", compensation_gain=0.5,
                  compensation_estimate=4e-3)  # fmt: skip
     path = Stroke(*np.array([[0.1] * 2, [0] * 2, [2.0] * 2, [np.inf] * 2, [0] * 2, [0] * 2]))
-    assert follow(one, path, 3.0)[-1] == pytest.approx((friction - 2e-3 + B * 2.0) / KP, rel=1e-6)
+    assert follow(servo, path, 3.0)[-1] == pytest.approx((friction - 2e-3 + B * 2.0) / KP, rel=1e-6)
 
 
 # --- observers --------------------------------------------------------------------------
@@ -151,65 +153,67 @@ def test_the_lugre_observer_builds_up_over_its_stretch_and_turns_round_over_twic
 def test_the_disturbance_observer_finds_a_torque_as_its_low_pass_does():
     """A shaft under τ − d: J dω/dt + b ω = τ − d, and the estimate is d (1 − exp(−gt))."""
     step, torque, met, cutoff = 1e-5, 5e-3, 2e-3, 80.0
-    observer = DisturbanceObserver(*(np.array([one]) for one in (J, B, cutoff, step)))
+    observer = DisturbanceObserver(*(np.array([parameter]) for parameter in (J, B, cutoff, step)))
     time = step * np.arange(1, 4001)
     speed = (torque - met) / B * -np.expm1(-time * B / J)
-    found = [observer.torque(np.array([one]), np.array([torque]))[0] for one in speed]
-    assert found == pytest.approx(met * -np.expm1(-cutoff * time), abs=2e-3 * met)
+    torques = [observer.torque(np.array([sample]), np.array([torque]))[0] for sample in speed]
+    assert torques == pytest.approx(met * -np.expm1(-cutoff * time), abs=2e-3 * met)
 
 
 def test_a_disturbance_observer_takes_friction_and_load_off_the_ramp():
     """What is left is the velocity error of the viscous friction, which it knows and leaves."""
     load = np.array([2e-3, -1e-3])
-    one = a_loop(friction=3e-3, kd=8e-4, load_torque=load)
+    servo = a_loop(friction=3e-3, kd=8e-4, load_torque=load)
     path = Stroke(*np.array([[0.1] * 2, [0] * 2, [2.0] * 2, [np.inf] * 2, [0] * 2, [0] * 2]))
     numbers = (np.full(2, value) for value in (J, B, 17.0, T))
-    left = follow(one, path, 3.0, DisturbanceObserver(*numbers))[-1]
+    left = follow(servo, path, 3.0, DisturbanceObserver(*numbers))[-1]
     assert left == pytest.approx(B * 2.0 / KP, rel=1e-3)
-    without = follow(one, path, 3.0)[-1]
+    without = follow(servo, path, 3.0)[-1]
     assert without == pytest.approx((B * 2.0 + 3e-3 + load) / KP, rel=1e-3)
 
 
 def test_a_lugre_observer_takes_its_share_of_friction_off_the_ramp():
     friction = 3e-3
-    one = a_loop(friction=friction, kd=8e-4)
+    servo = a_loop(friction=friction, kd=8e-4)
     observer = LuGreObserver(*(np.array([value]) for value in (0.5 * friction, 0.05, T)))
-    left = follow(one, stroke(begin=0.1, ramp=2.0), 3.0, observer)[-1]
+    left = follow(servo, stroke(begin=0.1, ramp=2.0), 3.0, observer)[-1]
     assert left == pytest.approx((B * 2.0 + 0.5 * friction) / KP, rel=1e-3)
 
 
 def test_the_lugre_observer_never_pushes_harder_than_half_of_kp():
     for changes in ({}, {"compensation.gain": 5.0}, {"compensation.boundary_rad": 1e-4}):
         some = drawn(changes)
-        one = observers(some)["LuGre observer"]
-        assert (one.full / one.stretch <= 0.5 * some.kp * (1 + 1e-12)).all()
-    assert one.full.min() > 0
+        observer = observers(some)["LuGre observer"]
+        assert (observer.full / observer.stretch <= 0.5 * some.kp * (1 + 1e-12)).all()
+    assert observer.full.min() > 0
 
 
 # --- over draws -------------------------------------------------------------------------
 
 
 def drawn(changes=None, n=16):
-    one = loop(MOVES | SOFT | (changes or {}))
-    return at_shaft(one, draw_assembly(one, posterior(n, sd=0.1), RigDiscrepancy(0.0, ""), 1))
+    settings = loop(MOVES | SOFT | (changes or {}))
+    return at_shaft(
+        settings, draw_assembly(settings, posterior(n, sd=0.1), RigDiscrepancy(0.0, ""), 1)
+    )
 
 
 def test_errors_of_a_ramp_are_the_closed_form_draw_by_draw():
     own = {"controller.encoder_counts_per_revolution": 1e8, "compensation.at_rest": "hold"}
     some = drawn(own | {"kick.reference_range_rad_s": [1.0, 3.0]})
-    found = follow_all(some, 16)
-    ramp = found.trajectories[0].compensators
+    following = follow_all(some, 16)
+    ramp = following.trajectories[0].compensators
     cable = some.cable
-    for one, fed in zip(ramp[:2], (0.0, 1.0), strict=True):
+    for compensator, fed in zip(ramp[:2], (0.0, 1.0), strict=True):
         servo = (some.friction - fed * some.estimate) / some.kp
         wanted = some.tip_per_rad * (servo + cable.rubs[-1] * some.friction / some.stiffness)
-        assert one.rms_m.q50 == pytest.approx(np.median(np.abs(wanted)), rel=0.02)
-        assert one.q50_m[-1] == pytest.approx(np.median(wanted), rel=0.02, abs=2e-8)
+        assert compensator.rms_m.q50 == pytest.approx(np.median(np.abs(wanted)), rel=0.02)
+        assert compensator.q50_m[-1] == pytest.approx(np.median(wanted), rel=0.02, abs=2e-8)
     assert ramp[0].q50_m[0] == 0.0  # at rest
     assert ramp[0].least == 0.0
-    assert max(one.least for one in ramp) > 0.5
-    step = found.trajectories[3].compensators
-    assert step[0].q50_m[np.searchsorted(found.time_s, 0.0)] == pytest.approx(
+    assert max(compensator.least for compensator in ramp) > 0.5
+    step = following.trajectories[3].compensators
+    assert step[0].q50_m[np.searchsorted(following.time_s, 0.0)] == pytest.approx(
         np.median(some.kick) * some.tip_per_rad[0], rel=0.05
     )
 
@@ -246,10 +250,10 @@ def test_a_reference_that_never_moves_is_refused(tmp_path):
 def test_the_verb_stores_and_says_it(tmp_path):
     draws = write_draws(tmp_path / "draws.nc", n=40)
     slow = loop({"kick.reference_range_rad_s": [2.0, 2.0], "compensation.signal": "none"} | STIFF)
-    found = compute_margins(slow, draws, ensembles=True, simulated=6).summary.loops[0]
-    assert found.following is not None
-    assert found.following.draws == 6
-    assert [one.name for one in found.following.trajectories] == [
+    summary = compute_margins(slow, draws, ensembles=True, simulated=6).summary.loops[0]
+    assert summary.following is not None
+    assert summary.following.draws == 6
+    assert [trajectory.name for trajectory in summary.following.trajectories] == [
         "ramp", "reversal", "sine", "step",
     ]  # fmt: skip
     assert "--ensembles" in CliRunner().invoke(app, ["margins", "--help"]).output

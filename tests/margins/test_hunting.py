@@ -204,10 +204,10 @@ def test_a_run_holds_slow_cycles_of_integral_action_or_says_that_it_does_not():
 def test_of_several_conditions_the_first_to_hunt_counts():
     loop = arm_loop(0.42, np.array([130, 130]))
     below, above = np.full(2, 0.95 * 130 * COUNT), np.array([2.0, 0.9]) * 130 * COUNT
-    found = hunting_threshold(loop, kick=np.array([below, above]))
-    assert found.gamma[0] == pytest.approx(1.65, rel=0.05)
-    assert np.isinf(found.gamma[1])
-    assert found.condition.tolist() == [1, -1]
+    threshold = hunting_threshold(loop, kick=np.array([below, above]))
+    assert threshold.gamma[0] == pytest.approx(1.65, rel=0.05)
+    assert np.isinf(threshold.gamma[1])
+    assert threshold.condition.tolist() == [1, -1]
 
 
 def test_conditions_one_after_another_find_what_they_find_together():
@@ -216,8 +216,8 @@ def test_conditions_one_after_another_find_what_they_find_together():
     together = hunting_threshold(loop, kick=kicks)
     first = hunting_threshold(loop, kick=kicks[0])
     # the last draw hunts in another condition long before
-    known = np.array([np.inf, np.inf, 0.7])
-    second = hunting_threshold(loop, kick=kicks[1], hunts_at=np.minimum(first.gamma, known))
+    bounds = np.array([np.inf, np.inf, 0.7])
+    second = hunting_threshold(loop, kick=kicks[1], hunts_at=np.minimum(first.gamma, bounds))
     assert together.gamma == pytest.approx(np.full(3, 1.65), rel=0.05)
     assert np.minimum(first.gamma, second.gamma)[:2] == pytest.approx(together.gamma[:2], abs=0.02)
     assert np.isinf(second.gamma).tolist() == [True, False, True]

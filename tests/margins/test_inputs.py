@@ -38,9 +38,9 @@ def test_pulleys_draws_and_peak_tensions_outside_are_counted(tmp_path):
     assert law.tested["small"]["tension_n"] == (5.0, 33.0)
     angles = [5.0, 60.0, 85.0, 140.0, 300.0]
     tension = {"family": "uniform", "low": 13.0, "high": 53.0}
-    one = loop({"runs.0.wrap_angle_deg": angles, "runs.0.tension_n": tension})
-    given = draw_assembly(one, law, RigDiscrepancy(0.0, ""), seed=1)
-    at = at_shaft(one, given)
+    settings = loop({"runs.0.wrap_angle_deg": angles, "runs.0.tension_n": tension})
+    given = draw_assembly(settings, law, RigDiscrepancy(0.0, ""), seed=1)
+    at = at_shaft(settings, given)
     said = "; ".join(beyond_the_draws(at, given, law))
     assert (
         "3 of 5 pulleys of run 1 (small pulleys) are wrapped by 5° to 300°, tested 50° to 135°"
@@ -76,13 +76,13 @@ def test_draws_by_walker_of_an_earlier_version_are_read_alike(tmp_path):
 
 def test_it_is_the_first_thing_that_is_said(tmp_path):
     draws = with_ranges(tmp_path / "draws.nc")
-    (found,) = compute_margins([loop({"runs.0.tension_n": 40.0})], draws).summary.loops
+    (summary,) = compute_margins([loop({"runs.0.tension_n": 40.0})], draws).summary.loops
     assert (
         ". Beyond what was measured: the tension of run 1 (small pulleys) is outside"
-        in found.answer
+        in summary.answer
     )
-    (found,) = compute_margins([loop()], draws).summary.loops
-    assert "Beyond" not in found.answer
+    (summary,) = compute_margins([loop()], draws).summary.loops
+    assert "Beyond" not in summary.answer
 
 
 def test_an_angle_that_the_draws_do_not_know_is_refused_unless_allowed(tmp_path):
@@ -91,10 +91,10 @@ def test_an_angle_that_the_draws_do_not_know_is_refused_unless_allowed(tmp_path)
     with pytest.raises(InputError, match=r'c3 of small pulleys.*extrapolate = \["wrap_angle"\]'):
         compute_margins([loop(strange)], draws)
     compute_margins([loop()], draws)  # 85° was tested
-    (found,) = compute_margins(
+    (summary,) = compute_margins(
         [loop({**strange, "extrapolate": ["wrap_angle"]})], draws
     ).summary.loops
-    assert ". Beyond what was measured: 5 of 5 pulleys" in found.answer
+    assert ". Beyond what was measured: 5 of 5 pulleys" in summary.answer
 
 
 def test_friction_is_never_negative():
@@ -113,10 +113,10 @@ def test_friction_is_never_negative():
 def test_what_to_measure_first_is_said_where_one_number_decides(tmp_path):
     draws = write_draws(tmp_path / "draws.nc", n=400)
     drive = {"family": "log-normal", "median": 0.02, "sd_log": 0.3}
-    (found,) = compute_margins([loop({"drive.friction_n_m": drive})], draws).summary.loops
-    share = found.variance_share["gamma_necessary"]["drive.friction_n_m"]
+    (summary,) = compute_margins([loop({"drive.friction_n_m": drive})], draws).summary.loops
+    share = summary.variance_share["gamma_necessary"]["drive.friction_n_m"]
     assert share > 0.9
     assumed = f"The assumed drive.friction_n_m contributes {share:.0%} of the variance"
-    assert f"{assumed} of friction" in (found.answer)
-    (found,) = compute_margins([loop()], draws).summary.loops
-    assert "measure that" not in found.answer
+    assert f"{assumed} of friction" in (summary.answer)
+    (summary,) = compute_margins([loop()], draws).summary.loops
+    assert "measure that" not in summary.answer

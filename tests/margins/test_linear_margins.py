@@ -59,7 +59,7 @@ def loops():
 def test_margins_of_random_loops_are_those_of_python_control(loops):
     num, den = loops
     omega = np.tile(np.geomspace(1e-4, 1e5, 3000), (LOOPS, 1))
-    found = linear_margins(rational(num, den), omega)
+    margins = linear_margins(rational(num, den), omega)
     most_s, most_t = peaks(rational(num, den), omega)
     crossed = 0
     for row in range(LOOPS):
@@ -70,21 +70,21 @@ def test_margins_of_random_loops_are_those_of_python_control(loops):
         gains = gains[np.isfinite(gains) & (gains > 0)]
         if gains.size:
             nearest = gains[np.abs(np.log(gains)).argmin()]
-            assert found.gain[row] == pytest.approx(nearest, rel=1e-6)
+            assert margins.gain[row] == pytest.approx(nearest, rel=1e-6)
         else:
-            assert np.isinf(found.gain[row])
+            assert np.isinf(margins.gain[row])
         if at_gain.size:
             crossed += at_gain.size > 1
-            assert found.phase[row] == pytest.approx(np.radians(np.abs(phases).min()), rel=1e-6)
+            assert margins.phase[row] == pytest.approx(np.radians(np.abs(phases).min()), rel=1e-6)
             lag = np.mod(np.radians(phases), 2 * np.pi) / at_gain
-            assert found.delay[row] == pytest.approx(lag.min(), rel=1e-6)
-            assert found.crossings[row] == at_gain.size
+            assert margins.delay[row] == pytest.approx(lag.min(), rel=1e-6)
+            assert margins.crossings[row] == at_gain.size
         else:
-            assert np.isinf(found.phase[row])
-        near = found.disk_frequency[row] * np.exp(np.linspace(-1e-3, 1e-3, 201))
+            assert np.isinf(margins.phase[row])
+        near = margins.disk_frequency[row] * np.exp(np.linspace(-1e-3, 1e-3, 201))
         grid = np.sort(np.concatenate([omega[row, ::10], near]))
         disk, _, _ = control.disk_margins(system, grid)
-        assert found.disk[row] == pytest.approx(float(disk), rel=1e-6)
+        assert margins.disk[row] == pytest.approx(float(disk), rel=1e-6)
         if row % 5:  # peaks need fine grids: a fifth of the loops will do
             continue
         value = rational(num, den)(omega[row], row)
@@ -116,10 +116,10 @@ def test_stability_is_that_of_the_poles():
 def test_an_integrator_with_delay_by_hand():
     # L = k e^{−jωτ}/jω: crossings at k and π/2τ; stable below k τ = π/2.
     omega = np.geomspace(1e-3, 1e4, 600)[None, :]
-    found = linear_margins(delayed(2.0, 0.1), omega)
-    assert found.phase == pytest.approx(np.pi / 2 - 0.2, rel=1e-9)
-    assert found.gain == pytest.approx(np.pi / 0.4, rel=1e-9)
-    assert found.delay == pytest.approx((np.pi / 2 - 0.2) / 2.0, rel=1e-9)
+    margins = linear_margins(delayed(2.0, 0.1), omega)
+    assert margins.phase == pytest.approx(np.pi / 2 - 0.2, rel=1e-9)
+    assert margins.gain == pytest.approx(np.pi / 0.4, rel=1e-9)
+    assert margins.delay == pytest.approx((np.pi / 2 - 0.2) / 2.0, rel=1e-9)
     gains = np.array([15.6, 15.8])
     pair = lambda w, r: gains[r] * np.exp(-0.1j * w) / (1j * w)  # noqa: E731
     assert is_stable(pair, np.repeat(omega, 2, axis=0)).tolist() == [True, False]
@@ -128,5 +128,5 @@ def test_an_integrator_with_delay_by_hand():
 def test_a_gain_that_may_only_rise_or_only_fall():
     # L = k (s + 1)²/s³ is stable above k = 1/2 only: the margin is downward.
     num, den = np.array([[2.0, 4.0, 2.0]]), np.array([[1.0, 0, 0, 0]])
-    found = linear_margins(rational(num, den), np.geomspace(1e-3, 1e3, 600)[None, :])
-    assert found.gain == pytest.approx(0.25, rel=1e-9)
+    margins = linear_margins(rational(num, den), np.geomspace(1e-3, 1e3, 600)[None, :])
+    assert margins.gain == pytest.approx(0.25, rel=1e-9)

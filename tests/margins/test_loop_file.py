@@ -34,8 +34,8 @@ def as_toml(values):
         if isinstance(value, dict):
             tables += [f"[{key}]", *(f"{k} = {inline(v)}" for k, v in value.items())]
         elif isinstance(value, list) and value and isinstance(value[0], dict):
-            for one in value:
-                tables += [f"[[{key}]]", *(f"{k} = {inline(v)}" for k, v in one.items())]
+            for table in value:
+                tables += [f"[[{key}]]", *(f"{k} = {inline(v)}" for k, v in table.items())]
         else:
             lines.append(f"{key} = {inline(value)}")
     return "\n".join(lines + tables) + "\n"
@@ -127,17 +127,17 @@ def test_a_folder_of_results_does_not_hide_the_bundled_loop_of_its_name(tmp_path
 
 
 def test_examples_are_valid_and_carry_their_assumptions():
-    found = {path.stem: read_loop(path) for path in sorted(LOOPS.glob("*.toml"))}
-    assert len(found) >= 4
-    for name, one in found.items():
-        assert one.assumptions, name
+    examples = {path.stem: read_loop(path) for path in sorted(LOOPS.glob("*.toml"))}
+    assert len(examples) >= 4
+    for name, example in examples.items():
+        assert example.assumptions, name
     # published: kp 0.3 at the gearbox output is 0.0245 at the motor
-    elbow = found["raven-elbow"]
+    elbow = examples["raven-elbow"]
     assert elbow.controller.kp_n_m_per_rad / elbow.drive.gearbox_ratio == pytest.approx(
         0.02449, 1e-3
     )
     # capstan, gearbox and transmission of a prismatic axis are one number
-    slide = found["raven-insertion"]
+    slide = examples["raven-insertion"]
     ratio = slide.drive.gearbox_ratio / slide.drive.capstan_radius_m
     assert slide.joint.transmission_rad_per_m == pytest.approx(ratio, rel=1e-4)
 
@@ -145,8 +145,10 @@ def test_examples_are_valid_and_carry_their_assumptions():
 def test_the_template_shows_every_key():
     text = (LOOPS / "template.toml").read_text(encoding="utf-8")
     tomllib.loads(text)
-    here = [one for one in vars(loop_file).values() if isinstance(one, type)]
-    models = [one for one in here if issubclass(one, BaseModel) and one.__module__ == HERE]
+    classes = [member for member in vars(loop_file).values() if isinstance(member, type)]
+    models = [
+        model for model in classes if issubclass(model, BaseModel) and model.__module__ == HERE
+    ]
     keys = {key for model in models for key in model.model_fields}
     assert len(keys) > 50
     assert sorted(key for key in keys if key not in text) == []
@@ -158,8 +160,8 @@ def test_the_loops_of_the_raven_are_as_its_software_has_them():
              "tool-rotation": (0.09, 0.001, 0.05), "grasp": (0.05, 0.0, 0.05)}  # fmt: skip
     for name, expected in gains.items():
         controller = read_loop(Path(f"raven-{name}")).controller
-        found = (controller.kp_n_m_per_rad, controller.kd_n_m_s_per_rad)
-        assert (*found, controller.ki_n_m_per_rad_s) == expected, name
+        gains_of_file = (controller.kp_n_m_per_rad, controller.kd_n_m_s_per_rad)
+        assert (*gains_of_file, controller.ki_n_m_per_rad_s) == expected, name
         assert (controller.torque_at, controller.angle_of) == ("gearbox-output", "motor")
     elbow = read_loop(Path("raven-elbow"))
     stage = elbow.second_stage

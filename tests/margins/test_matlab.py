@@ -21,19 +21,21 @@ UNCERTAIN = {
 
 
 def ensemble(changes):
-    one, drawn = loop(changes), posterior(100)
-    given = draw_assembly(one, drawn, RigDiscrepancy(0.0, ""), seed=1)
-    return Ensemble(at_shaft(one, nominal_assembly(one, drawn)), at_shaft(one, given))
+    settings, drawn = loop(changes), posterior(100)
+    given = draw_assembly(settings, drawn, RigDiscrepancy(0.0, ""), seed=1)
+    return Ensemble(
+        at_shaft(settings, nominal_assembly(settings, drawn)), at_shaft(settings, given)
+    )
 
 
 def test_a_file_read_back_has_the_loop_by_hand(tmp_path):
     made = ensemble(UNCERTAIN)
     write_mat(tmp_path / "new" / "loops.mat", [made])
-    found = loadmat(tmp_path / "new" / "loops.mat", simplify_cells=True)["loops"]
-    assert (found["name"], found["direction"]) == ("bench", "both")
-    assert found["units"]["friction"] == "N m"
-    assert found["draws"]["kp"].tolist() == made.drawn.kp.tolist()
-    omega, nominal = found["frequency"], found["nominal"]
+    stored = loadmat(tmp_path / "new" / "loops.mat", simplify_cells=True)["loops"]
+    assert (stored["name"], stored["direction"]) == ("bench", "both")
+    assert stored["units"]["friction"] == "N m"
+    assert stored["draws"]["kp"].tolist() == made.drawn.kp.tolist()
+    omega, nominal = stored["frequency"], stored["nominal"]
     # (kp + kd (1 − e^{−sT})/T) e^{−1.5 T s} over two inertias on the cable, by hand
     s = 1j * omega
     spring = float(made.nominal.stiffness[0]) + s * float(made.nominal.damping[0])
@@ -42,18 +44,18 @@ def test_a_file_read_back_has_the_loop_by_hand(tmp_path):
     def by_hand(kp, kd):
         return (kp + kd * (1 - np.exp(-1e-3 * s)) / 1e-3) * np.exp(-1.5e-3 * s) * plant
 
-    assert found["nominal_response"] == pytest.approx(by_hand(0.02, 1e-3), rel=1e-6)
-    kp, kd = found["draws"]["kp"][7], made.drawn.kd[7]
-    assert found["draw_responses"][7] == pytest.approx(by_hand(kp, kd), rel=1e-6)
+    assert stored["nominal_response"] == pytest.approx(by_hand(0.02, 1e-3), rel=1e-6)
+    kp, kd = stored["draws"]["kp"][7], made.drawn.kd[7]
+    assert stored["draw_responses"][7] == pytest.approx(by_hand(kp, kd), rel=1e-6)
     low = omega < 1e3
     away = s[low, None, None] * np.eye(len(nominal["A"])) - nominal["A"]
     states = nominal["C"] @ np.linalg.solve(away, nominal["B"][:, None])[..., 0].T
     assert nominal["D"] == 0
-    assert states == pytest.approx(found["nominal_response"][low], rel=1e-6)
+    assert states == pytest.approx(stored["nominal_response"][low], rel=1e-6)
     # at low frequency L/L₀ − 1 is kp/kp₀ − 1 alone: up to a half, by the family
-    assert 0.4 < found["uncertainty_weight"][0] < 0.6
-    off = np.abs(found["draw_responses"] / found["nominal_response"] - 1)
-    inside = (off <= found["uncertainty_weight"] * (1 + 1e-12)).all(axis=1)
+    assert 0.4 < stored["uncertainty_weight"][0] < 0.6
+    off = np.abs(stored["draw_responses"] / stored["nominal_response"] - 1)
+    inside = (off <= stored["uncertainty_weight"] * (1 + 1e-12)).all(axis=1)
     assert inside.sum() == 95
 
 
@@ -78,8 +80,8 @@ def test_two_directions_and_the_same_bytes(tmp_path):
     data = (tmp_path / "a.mat").read_bytes()
     assert data == (tmp_path / "b.mat").read_bytes()
     assert b"Created on" not in data[:128]  # SciPy's own has the time
-    found = loadmat(tmp_path / "a.mat", simplify_cells=True)["loops"]
-    assert [one["direction"] for one in found] == ["driving", "overhauling"]
+    stored = loadmat(tmp_path / "a.mat", simplify_cells=True)["loops"]
+    assert [entry["direction"] for entry in stored] == ["driving", "overhauling"]
 
 
 def test_another_ending_is_refused(tmp_path):

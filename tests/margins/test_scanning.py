@@ -29,30 +29,32 @@ def elbow(changes=None, kick=None, draws=6):
     for section, keys in (changes or {}).items():
         values[section] |= keys
     values["kick"] |= kick or {}
-    one = Loop.model_validate(values | ({"stiction_ratio": 1.3} if changes else {}))
-    return at_shaft(one, draw_assembly(one, posterior(draws), RigDiscrepancy(0.05, ""), seed=3))
+    settings = Loop.model_validate(values | ({"stiction_ratio": 1.3} if changes else {}))
+    return at_shaft(
+        settings, draw_assembly(settings, posterior(draws), RigDiscrepancy(0.05, ""), seed=3)
+    )
 
 
 def test_the_elbow_hunts_where_it_creeps_and_not_where_it_rests_or_runs():
     speeds = (0.0, 0.5, 8.0)
     shaft = elbow(kick={"reference_range_rad_s": (0.5, 8.0)})
-    found = find_hunting(shaft, 6, 0.05)
-    by_speed = {float(one.speed_of(shaft)[0]): hunts for one, hunts in
-                zip(found.speeds, found.hunts, strict=True)}  # fmt: skip
+    hunting = find_hunting(shaft, 6, 0.05)
+    by_speed = {float(condition.speed_of(shaft)[0]): hunts for condition, hunts in
+                zip(hunting.speeds, hunting.hunts, strict=True)}  # fmt: skip
     for speed in speeds:
         times, error, _ = two_masses.run(
             two_masses.elastic(shaft), kick=float(shaft.kick[0]), speed=speed, duration=4.0
         )
         does, _ = two_masses.sticks_and_slips(times, error)
-        nearest = min(by_speed, key=lambda one, at=speed: abs(one - at))
+        nearest = min(by_speed, key=lambda tested, at=speed: abs(tested - at))
         assert nearest == pytest.approx(speed)
         assert bool(by_speed[nearest][0]) is bool(does)
         assert bool(does) is (speed == 0.5)
     # the gain that is safe at rest is not safe: seen from outside on either side
-    assert found.threshold.max() < 0.5
+    assert hunting.threshold.max() < 0.5
     for share, hunts in ((0.8, False), (1.25, True)):
-        slow = found.conditions[found.condition[0]]
-        plant = two_masses.elastic(shaft, feed=share * found.threshold[0] * shaft.estimate[0])
+        slow = hunting.conditions[hunting.condition[0]]
+        plant = two_masses.elastic(shaft, feed=share * hunting.threshold[0] * shaft.estimate[0])
         assert two_masses.sticks_and_slips(
             *two_masses.run(plant, kick=float(slow.kick_of(shaft)[0]),
                             speed=float(slow.speed_of(shaft)[0]), duration=6.0)[:2]
@@ -78,11 +80,11 @@ def test_the_scan_of_the_elbow_hunts_where_long_runs_do():
 def test_a_swing_of_few_cycles_has_no_frequency():
     # dragged by a slow reference: each slip is a cycle of some seconds
     shaft = elbow({"compensation": {"signal": "none"}}, kick={"reference_range_rad_s": (0.3, 0.3)})
-    found = find_hunting(shaft, 6, 0.05)
-    motion = run(shaft, found.speeds, shaft.gamma)
-    cycles = np.where(motion.hunts, motion.cycles, 0.0).reshape(len(found.speeds), -1).max(axis=0)
-    assert (np.isfinite(found.frequency) == (cycles >= 2)).all()
-    assert np.isfinite(found.amplitude).tolist() == np.isfinite(found.frequency).tolist()
+    hunting = find_hunting(shaft, 6, 0.05)
+    motion = run(shaft, hunting.speeds, shaft.gamma)
+    cycles = np.where(motion.hunts, motion.cycles, 0.0).reshape(len(hunting.speeds), -1).max(axis=0)
+    assert (np.isfinite(hunting.frequency) == (cycles >= 2)).all()
+    assert np.isfinite(hunting.amplitude).tolist() == np.isfinite(hunting.frequency).tolist()
 
 
 def test_integral_action_with_stiction_hunts_without_any_compensation():
@@ -90,9 +92,9 @@ def test_integral_action_with_stiction_hunts_without_any_compensation():
         {"controller": {"ki_n_m_per_rad_s": 2.0}, "compensation": {"signal": "reference"}},
         kick={"reference_range_rad_s": (0.0, 0.0)},
     )
-    found = find_hunting(shaft, 6, 0.05)
-    assert found.method == "simulation"
-    assert (found.threshold == 0.0).all()
+    hunting = find_hunting(shaft, 6, 0.05)
+    assert hunting.method == "simulation"
+    assert (hunting.threshold == 0.0).all()
     plant = two_masses.elastic(shaft, feed=0.0)
     times, error, _ = two_masses.run(plant, kick=float(shaft.kick[0]), speed=0.0, duration=50.0,
                                      steps=2)  # fmt: skip
@@ -101,18 +103,20 @@ def test_integral_action_with_stiction_hunts_without_any_compensation():
     # slower than on a stiff shaft, at 0.29 Hz: the motor slips less far while the joint stands
     one_turn = 1 / 50
     assert frequency == pytest.approx(0.15, abs=one_turn)
-    assert found.frequency[0] == pytest.approx(0.15, abs=one_turn)
+    assert hunting.frequency[0] == pytest.approx(0.15, abs=one_turn)
 
 
 def test_what_a_loop_is_looked_at_with_is_its_own_range_or_counts_up_to_its_peak():
     def speeds(changes):
-        one = loop(changes)
-        shaft = at_shaft(one, draw_assembly(one, posterior(), RigDiscrepancy(0.0, ""), seed=1))
+        settings = loop(changes)
+        shaft = at_shaft(
+            settings, draw_assembly(settings, posterior(), RigDiscrepancy(0.0, ""), seed=1)
+        )
         return [float(condition.speed_of(shaft)[0]) for condition in speeds_of(shaft)]
 
     count = 2 * np.pi / 4000 / 1e-3
     free = {"kick.reference_range_rad_s": None}
-    in_counts = [count * one for one in (0.1, 0.2, 0.5, 1, 1.5, 2.5, 5, 10)]
+    in_counts = [count * counts for counts in (0.1, 0.2, 0.5, 1, 1.5, 2.5, 5, 10)]
     assert speeds(free) == pytest.approx([0, *in_counts])
     assert speeds({**free, "joint.peak_velocity_rad_s": 0.01})[-1] == pytest.approx(0.5 * count)
     assert speeds({"kick.reference_range_rad_s": [0.2, 6.4]}) == pytest.approx(
@@ -126,12 +130,12 @@ def test_what_a_loop_is_looked_at_with_is_its_own_range_or_counts_up_to_its_peak
 
 def test_the_sentence_says_speed_kick_error_and_what_was_not_looked_at(tmp_path):
     draws = write_draws(tmp_path / "draws.nc", n=40)
-    one = loop({"compensation.gain": 1.0, "kick.reference_range_rad_s": [0.3, 0.3]})
-    (found,) = compute_margins([one], draws, simulated=12).summary.loops
+    settings = loop({"compensation.gain": 1.0, "kick.reference_range_rad_s": [0.3, 0.3]})
+    (summary,) = compute_margins([settings], draws, simulated=12).summary.loops
     for words in ("Monte Carlo error", "rad/s", "mm/s at the tip", "after a kick of", "worst is",
                   "Not examined", "At γ = 1, as in the file"):  # fmt: skip
-        assert words in found.answer, words
-    chart = found.hunting_map
+        assert words in summary.answer, words
+    chart = summary.hunting_map
     assert chart.speed_rad_s == pytest.approx((0.0, 0.3))
     assert chart.speed_tip_m_s == pytest.approx((0.0, 0.3 * 0.5 / 100))
     assert len(chart.probability) == len(chart.rms_error_m) == len(chart.gamma)
@@ -142,11 +146,11 @@ def test_the_sentence_says_speed_kick_error_and_what_was_not_looked_at(tmp_path)
 
 def test_none_of_the_draws_is_a_bound_and_not_none(tmp_path):
     draws = write_draws(tmp_path / "draws.nc", n=40)
-    one = loop({"compensation.signal": "reference", "kick.reference_range_rad_s": [0, 0]})
-    (found,) = compute_margins([one], draws, simulated=20).summary.loops
+    settings = loop({"compensation.signal": "reference", "kick.reference_range_rad_s": [0, 0]})
+    (summary,) = compute_margins([settings], draws, simulated=20).summary.loops
     # 1 − 0.05^(1/20)
-    assert "0 of 20 draws (at 95 % confidence, in less than 14 %)" in found.answer
-    assert "No γ makes" not in found.answer
+    assert "0 of 20 draws (at 95 % confidence, in less than 14 %)" in summary.answer
+    assert "No γ makes" not in summary.answer
 
 
 def test_a_faulty_range_is_told_with_its_place(tmp_path):
@@ -158,20 +162,20 @@ def test_a_faulty_range_is_told_with_its_place(tmp_path):
 
 def test_a_run_does_not_depend_on_those_beside_it():
     """Among runs that take longer, one that is over stays as it is."""
-    one = shaft({"cable.length_m": 1.0, "controller.kp_n_m_per_rad": 0.01,
+    bench = shaft({"cable.length_m": 1.0, "controller.kp_n_m_per_rad": 0.01,
                  "kick.reference_range_rad_s": None})  # fmt: skip
     gamma = np.linspace(0.05, 1.5, 60)
-    speeds = speeds_of(one)
-    together = run(one.taken(np.zeros(60, dtype=int)), speeds, gamma)
-    alone = run(one.taken(np.zeros(6, dtype=int)), (speeds[3],), gamma[-6:])
+    speeds = speeds_of(bench)
+    together = run(bench.taken(np.zeros(60, dtype=int)), speeds, gamma)
+    alone = run(bench.taken(np.zeros(6, dtype=int)), (speeds[3],), gamma[-6:])
     for name in ("hunts", "rms_error", "amplitude", "frequency"):
         beside = getattr(together, name).reshape(len(speeds), 60)[3, -6:]
         assert np.array_equal(beside, getattr(alone, name)), name
 
 
 def test_draws_and_their_map_are_those_of_single_runs():
-    one = shaft({"cable.length_m": 0.5, "kick.reference_range_rad_s": [0.5, 5.0]})
-    some = replace(one.taken(np.zeros(4, dtype=int)), friction=0.0035 * np.linspace(0.9, 1.2, 4))
+    bench = shaft({"cable.length_m": 0.5, "kick.reference_range_rad_s": [0.5, 5.0]})
+    some = replace(bench.taken(np.zeros(4, dtype=int)), friction=0.0035 * np.linspace(0.9, 1.2, 4))
     speeds, few, gammas = speeds_of(some)[:3], np.array([0, 3]), (0.0, 0.5, 2.0)
     chart, own = look(some, speeds, few, gammas)
     assert np.array_equal(own.rms_error.ravel(), run(some, speeds, some.gamma).rms_error)

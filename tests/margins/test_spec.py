@@ -24,9 +24,9 @@ def missed(draws, changes):
 def errors(draws):
     """Steady error over the draws at 0.05 steps of probability, from 0.05 to 0.95."""
     (row,) = [
-        one
-        for one in compute_margins([loop()], draws).summary.loops[0].metrics
-        if one.name == "steady_error_servo"
+        metric
+        for metric in compute_margins([loop()], draws).summary.loops[0].metrics
+        if metric.name == "steady_error_servo"
     ]
     return dict(zip(np.round(np.arange(0.05, 0.96, 0.05), 2), row.quantiles[1:-1], strict=True))
 

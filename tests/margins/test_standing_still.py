@@ -68,7 +68,7 @@ def test_the_derivative_lags_by_its_low_pass():
 
 def test_a_shaft_judged_early_is_judged_alike():
     # sliding, slipping in few counts and in many, swinging: by reference speed and gain
-    speed, gain = (one.ravel() for one in np.meshgrid([0.3, 1.0, 8.0], [0.0, 0.3, 1.0, 3.0]))
+    speed, gain = (grid.ravel() for grid in np.meshgrid([0.3, 1.0, 8.0], [0.0, 0.3, 1.0, 3.0]))
     loop = a_loop(
         kd=9e-4,
         viscous=1e-5,
@@ -78,7 +78,9 @@ def test_a_shaft_judged_early_is_judged_alike():
         compensation_estimate=0.005,
     )
     arguments = {"kick": 0.4, "duration": 8.0, "reference_speed": speed}
-    early, late = (simulate(loop, settling=one, **arguments) for one in (1.0, np.inf))
+    early, late = (
+        simulate(loop, settling=settling_time, **arguments) for settling_time in (1.0, np.inf)
+    )
     assert early.hunts.tolist() == late.hunts.tolist()
     assert 0 < late.hunts.sum() < late.hunts.size
     swings = late.hunts

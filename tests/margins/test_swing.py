@@ -10,8 +10,8 @@ LENGTH = 400
 
 def hunts(error):
     """Judge one error over a whole run; what counts as still is 1, a swing keeps 0.6."""
-    one = np.array([LENGTH])
-    swing = Swing(one, np.array([1e-3]), np.array([1.0]), np.array([0.6]))
+    length = np.array([LENGTH])
+    swing = Swing(length, np.array([1e-3]), np.array([1.0]), np.array([0.6]))
     for k in range(1, LENGTH + 1):
         against = np.array([error[k - 1] - error[k]])  # the shaft's speed beyond the reference's
         swing.see(np.array([k]), np.array([error[k]]), against, np.array([True]))

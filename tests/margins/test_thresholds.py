@@ -19,26 +19,28 @@ SPREAD = {
 
 
 def drawn(changes):
-    one = loop({**SPREAD, **changes})
-    return at_shaft(one, draw_assembly(one, posterior(40), RigDiscrepancy(0.0, ""), seed=1))
+    settings = loop({**SPREAD, **changes})
+    return at_shaft(
+        settings, draw_assembly(settings, posterior(40), RigDiscrepancy(0.0, ""), seed=1)
+    )
 
 
 @pytest.mark.nightly
 def test_outside_the_formula_each_draw_has_its_own_simulated_threshold():
     shaft = drawn({"stiction_ratio": 1.1, "compensation.gain": 2.9})
-    found = find_hunting(shaft, 3, 0.05)
-    assert found.method == "simulation"
-    assert found.rows.tolist() == [0, 19, 39]
-    alone = shaft.sampled().taken(found.rows)
-    kicks = np.array([one.kick_of(shaft)[found.rows] for one in found.conditions])
+    hunting = find_hunting(shaft, 3, 0.05)
+    assert hunting.method == "simulation"
+    assert hunting.rows.tolist() == [0, 19, 39]
+    alone = shaft.sampled().taken(hunting.rows)
+    kicks = np.array([condition.kick_of(shaft)[hunting.rows] for condition in hunting.conditions])
     # the same γ are tried first: narrow bands that hunt below a threshold may be missed
     expected = hunting_threshold(alone, kick=kicks, gammas=GAMMAS)
-    assert found.threshold == pytest.approx(expected.gamma, abs=0.01)
-    assert len(set(found.threshold)) == 3
+    assert hunting.threshold == pytest.approx(expected.gamma, abs=0.01)
+    assert len(set(hunting.threshold)) == 3
     # friction decides: more of it, later hunting
-    assert (found.threshold.argsort() == shaft.friction[found.rows].argsort()).all()
-    assert "breakaway is no more than moving friction" in found.note
-    assert np.isfinite(found.frequency).all()
+    assert (hunting.threshold.argsort() == shaft.friction[hunting.rows].argsort()).all()
+    assert "breakaway is no more than moving friction" in hunting.note
+    assert np.isfinite(hunting.frequency).all()
 
 
 def test_no_threshold_is_above_a_gain_at_which_its_draw_was_seen_to_hunt(monkeypatch):
@@ -52,23 +54,23 @@ def test_no_threshold_is_above_a_gain_at_which_its_draw_was_seen_to_hunt(monkeyp
             "drive.friction_n_m": {"family": "uniform", "low": 0.0018, "high": 0.009},
         }
     )
-    found = find_hunting(shaft, 6, 0.05)
-    assert found.now.tolist().count(True) in range(1, 6)
-    own = found.now[1:-1]  # the first and the last draw are those of the map
-    assert (found.threshold[1:-1][own] <= 2.0).all()
-    assert np.isinf(found.threshold[1:-1][~own]).all()
+    thresholds = find_hunting(shaft, 6, 0.05)
+    assert thresholds.now.tolist().count(True) in range(1, 6)
+    own = thresholds.now[1:-1]  # the first and the last draw are those of the map
+    assert (thresholds.threshold[1:-1][own] <= 2.0).all()
+    assert np.isinf(thresholds.threshold[1:-1][~own]).all()
     for place, row in enumerate((0, 5)):
-        hunting = found.map.hunts[:, :, place].any(axis=1)
-        at = found.map.gammas[hunting.argmax()] if hunting.any() else np.inf
-        assert found.threshold[row] == min(at, 2.0 if found.now[row] else np.inf)
-    assert (found.condition >= 0).tolist() == np.isfinite(found.threshold).tolist()
-    assert "some were seen to hunt there" in found.not_examined[-2]
-    assert "narrower than the steps" in found.not_examined[-1]
+        hunting = thresholds.map.hunts[:, :, place].any(axis=1)
+        at = thresholds.map.gammas[hunting.argmax()] if hunting.any() else np.inf
+        assert thresholds.threshold[row] == min(at, 2.0 if thresholds.now[row] else np.inf)
+    assert (thresholds.condition >= 0).tolist() == np.isfinite(thresholds.threshold).tolist()
+    assert "some were seen to hunt there" in thresholds.not_examined[-2]
+    assert "narrower than the steps" in thresholds.not_examined[-1]
 
 
 def test_inside_the_formula_it_is_the_formula():
     shaft = drawn({"kick.over_stuck_band": 1.2})
-    found = find_hunting(shaft, 3, 0.05)
-    assert found.method == "formula"
-    assert found.threshold == pytest.approx(formula_threshold(shaft))
-    assert np.isnan(found.amplitude).all()  # at γ = 1 none hunts
+    hunting = find_hunting(shaft, 3, 0.05)
+    assert hunting.method == "formula"
+    assert hunting.threshold == pytest.approx(formula_threshold(shaft))
+    assert np.isnan(hunting.amplitude).all()  # at γ = 1 none hunts

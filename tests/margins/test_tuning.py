@@ -29,9 +29,9 @@ UNCERTAIN = {
 
 
 def made(changes, seed, draws=2000):
-    one = loop({**UNCERTAIN, **changes})
-    given = draw_assembly(one, posterior(draws), RigDiscrepancy(0.05, ""), seed)
-    return at_shaft(one, given, estimate=0.003)
+    settings = loop({**UNCERTAIN, **changes})
+    given = draw_assembly(settings, posterior(draws), RigDiscrepancy(0.05, ""), seed)
+    return at_shaft(settings, given, estimate=0.003)
 
 
 # a whole tuning and 2,000 fresh draws: 4 CPU-seconds, with simulated hunting twice that
@@ -39,12 +39,17 @@ def made(changes, seed, draws=2000):
 @pytest.mark.parametrize("signal", ["reference", "measured"])
 def test_of_fresh_draws_a_twentieth_misses_a_spec(signal):
     changes = {"compensation.signal": signal}
-    found = tune(made(changes, seed=1), 0.05)
-    assert found.why is None
-    assert found.probability == pytest.approx(0.95, abs=3 * found.probability_se)
-    fresh = scaled(made(changes, seed=2), found.kp_scale, found.kd_scale, found.compensation_gain)
-    each = missed_draws(fresh, closed_forms(fresh, linear_of(fresh)))
-    missed = np.logical_or.reduce(list(each.values()))
+    tuning_result = tune(made(changes, seed=1), 0.05)
+    assert tuning_result.why is None
+    assert tuning_result.probability == pytest.approx(0.95, abs=3 * tuning_result.probability_se)
+    fresh = scaled(
+        made(changes, seed=2),
+        tuning_result.kp_scale,
+        tuning_result.kd_scale,
+        tuning_result.compensation_gain,
+    )
+    misses = missed_draws(fresh, closed_forms(fresh, linear_of(fresh)))
+    missed = np.logical_or.reduce(list(misses.values()))
     if signal == "measured":
         hunts = run(fresh, (REST,), fresh.gamma).hunts
         assert hunts.any()
@@ -52,34 +57,34 @@ def test_of_fresh_draws_a_twentieth_misses_a_spec(signal):
     assert 0.03 <= missed.mean() <= 0.07
     # and with more of kp too many do
     stiffer = scaled(fresh, 1.15, 1.0)
-    each = missed_draws(stiffer, closed_forms(stiffer, linear_of(stiffer)))
-    assert np.logical_or.reduce(list(each.values())).mean() > 0.05
+    misses = missed_draws(stiffer, closed_forms(stiffer, linear_of(stiffer)))
+    assert np.logical_or.reduce(list(misses.values())).mean() > 0.05
 
 
 def test_the_stiffest_loop_has_just_the_delay_margin_that_is_asked_for():
-    one = loop({"spec.delay_margin_min_s": 1.5e-2, "compensation.signal": "none"})
-    shaft = at_shaft(one, draw_assembly(one, posterior(4), RigDiscrepancy(0.0, ""), 1))
-    found = tune(shaft, 0.05)
-    (linear,) = linear_of(scaled(shaft, found.kp_scale, found.kd_scale)).values()
+    settings = loop({"spec.delay_margin_min_s": 1.5e-2, "compensation.signal": "none"})
+    shaft = at_shaft(settings, draw_assembly(settings, posterior(4), RigDiscrepancy(0.0, ""), 1))
+    tuning_result = tune(shaft, 0.05)
+    (linear,) = linear_of(scaled(shaft, tuning_result.kp_scale, tuning_result.kd_scale)).values()
     assert linear.values["delay_margin"] == pytest.approx(np.full(4, 1.5e-2), rel=0.02)
     assert (linear.values["delay_margin"] >= 1.5e-2).all()
-    assert found.compensation_gain == 1.0  # of the file: there is nothing to hunt
+    assert tuning_result.compensation_gain == 1.0  # of the file: there is nothing to hunt
 
 
 def test_what_no_gain_can_meet_is_named():
     shaft = made({"spec.backdrive_force_max_n": 1e-3}, seed=1, draws=200)
-    found = explained(tune(shaft, 0.05))
-    assert found.kp_scale is None
-    assert "backdrive force is missed with probability 1 at the best" in found.why
-    assert found.probability == 0.0
+    tuning_result = explained(tune(shaft, 0.05))
+    assert tuning_result.kp_scale is None
+    assert "backdrive force is missed with probability 1 at the best" in tuning_result.why
+    assert tuning_result.probability == 0.0
 
 
 @pytest.mark.nightly
 def test_today_counts_every_spec_and_hunting_at_once():
     shaft = made({"compensation.gain": 0.5}, seed=1, draws=60)
     hunting = find_hunting(shaft, 60, 0.05)
-    each = missed_draws(shaft, closed_forms(shaft, linear_of(shaft)))
-    expected = 1 - np.logical_or.reduce(list(each.values())).mean()
+    misses = missed_draws(shaft, closed_forms(shaft, linear_of(shaft)))
+    expected = 1 - np.logical_or.reduce(list(misses.values())).mean()
     assert 0.0 < expected < 1.0
     assert meets_all_now(shaft, hunting) == pytest.approx(expected)
     always = replace(hunting, hunts=np.ones_like(hunting.hunts))
@@ -93,23 +98,23 @@ def test_a_loop_that_hunts_without_compensation_has_no_setting(monkeypatch):
     always = replace(hunting, threshold=np.zeros(20), hunts=np.ones((1, 20), dtype=bool))
     monkeypatch.setattr(tuning, "find_hunting", lambda *given: always)
     monkeypatch.setattr(tuning, "STEPS", 3)
-    found = explained(tune(shaft, 0.05))
-    assert found.kp_scale is None
-    assert "hunt with probability 1 without any compensation, of 0.05 allowed" in found.why
-    assert found.probability == 0.0
+    tuning_result = explained(tune(shaft, 0.05))
+    assert tuning_result.kp_scale is None
+    assert "hunt with probability 1 without any compensation, of 0.05 allowed" in tuning_result.why
+    assert tuning_result.probability == 0.0
     # where only the stiffest hunts, the next is told
     quiet = replace(hunting, threshold=np.full(20, 2.0), hunts=np.zeros((1, 20), dtype=bool))
-    each = iter([always, quiet])
-    monkeypatch.setattr(tuning, "find_hunting", lambda *given: next(each))
-    found = tune(shaft, 0.05)
-    assert found.why is None
-    assert found.kp_scale < MARGIN_RULES.gains_widest
+    answers = iter([always, quiet])
+    monkeypatch.setattr(tuning, "find_hunting", lambda *given: next(answers))
+    tuning_result = tune(shaft, 0.05)
+    assert tuning_result.why is None
+    assert tuning_result.kp_scale < MARGIN_RULES.gains_widest
     # nothing is chosen where one of twenty hunts without any, and so no error excuses it
-    one = replace(hunting, threshold=np.where(np.arange(20) < 2, 0.0, 2.0))
-    monkeypatch.setattr(tuning, "find_hunting", lambda *given: one)
-    found = tune(shaft, 0.05)
-    assert found.why is not None
-    assert found.probability == pytest.approx(0.9)
+    rarely = replace(hunting, threshold=np.where(np.arange(20) < 2, 0.0, 2.0))
+    monkeypatch.setattr(tuning, "find_hunting", lambda *given: rarely)
+    tuning_result = tune(shaft, 0.05)
+    assert tuning_result.why is not None
+    assert tuning_result.probability == pytest.approx(0.9)
 
 
 def test_a_gain_is_as_safe_in_a_tuning_as_in_the_answer(monkeypatch):
@@ -143,9 +148,9 @@ def test_a_gain_is_as_safe_in_a_tuning_as_in_the_answer(monkeypatch):
     three = replace(hunting, hunts=np.arange(20)[None, :] < 3)
     monkeypatch.setattr(tuning, "find_hunting", lambda *given: three)
     follows = {"spec.steady_error_max_m": 1.0, "compensation.signal": "reference"}
-    found = tune(made(follows, seed=1, draws=20), 0.5)
-    assert found.kp_scale is None
-    assert "hunt with probability 0.15, of 0.05 allowed" in found.why
+    tuning_result = tune(made(follows, seed=1, draws=20), 0.5)
+    assert tuning_result.kp_scale is None
+    assert "hunt with probability 0.15, of 0.05 allowed" in tuning_result.why
 
 
 def test_a_setting_without_a_gain_is_told_as_earlier_versions_stored_it():

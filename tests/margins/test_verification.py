@@ -22,9 +22,9 @@ ONE = np.ones(1)
 LONG = {"cable.length_m": 0.5, "joint.load_n_m": 0.08, "kick.reference_range_rad_s": None}
 
 
-def from_outside(one, *, gamma, kick, speed, duration):
+def from_outside(bench, *, gamma, kick, speed, duration):
     """Return the motor's errors in the last quarter, and the twist of the cable at the end."""
-    plant = two_masses.elastic(one, feed=gamma * float(one.estimate[0]))
+    plant = two_masses.elastic(bench, feed=gamma * float(bench.estimate[0]))
     _, motor, joint = two_masses.run(plant, kick=kick, speed=speed, duration=duration, steps=20)
     return motor[3 * motor.size // 4 :], joint[-1] - motor[-1]
 
@@ -39,42 +39,46 @@ def from_outside(one, *, gamma, kick, speed, duration):
     ],
 )
 def test_the_elastic_cable_moves_as_from_outside(changes, gamma, speed, swings):
-    one = shaft({**LONG, **changes})
-    kick = float(one.kick[0])
-    found = simulate(one.sampled(gamma * ONE), kick=kick, reference_speed=speed, duration=2.0)
-    late, twist = from_outside(one, gamma=gamma, kick=kick, speed=speed, duration=2.0)
+    bench = shaft({**LONG, **changes})
+    kick = float(bench.kick[0])
+    motion = simulate(bench.sampled(gamma * ONE), kick=kick, reference_speed=speed, duration=2.0)
+    late, twist = from_outside(bench, gamma=gamma, kick=kick, speed=speed, duration=2.0)
     count = 2 * np.pi / 4000
-    assert found.amplitude[0] == pytest.approx(np.ptp(late) / 2, rel=0.05, abs=2 * count)
+    assert motion.amplitude[0] == pytest.approx(np.ptp(late) / 2, rel=0.05, abs=2 * count)
     if gamma == 0.0 and speed == 0.0:
-        assert found.final_error[0] == pytest.approx(late[-1], abs=2 * count)
-        assert found.twist[0] == pytest.approx(twist, abs=0.05 * abs(twist))
+        assert motion.final_error[0] == pytest.approx(late[-1], abs=2 * count)
+        assert motion.twist[0] == pytest.approx(twist, abs=0.05 * abs(twist))
     assert bool(np.ptp(late) > 4 * count) is swings
-    assert bool(found.hunts[0]) is swings
+    assert bool(motion.hunts[0]) is swings
 
 
 def test_the_cable_stores_the_lost_motion_and_the_load():
     # dragged one way the joint lags by friction behind the cable, and by the load's stretch
-    one = shaft(LONG)
+    bench = shaft(LONG)
     twists = [
-        simulate(one.sampled(0 * ONE), kick=0.0, reference_speed=speed, duration=1.0).twist[0]
+        simulate(bench.sampled(0 * ONE), kick=0.0, reference_speed=speed, duration=1.0).twist[0]
         for speed in (8.0, -8.0)
     ]
-    stretch = 0.08 / 100 / one.stiffness[0]
+    stretch = 0.08 / 100 / bench.stiffness[0]
     assert np.mean(twists) == pytest.approx(stretch, rel=0.05)
-    assert np.ptp(twists) / 2 == pytest.approx(one.lost_motion[0], rel=0.05)
+    assert np.ptp(twists) / 2 == pytest.approx(bench.lost_motion[0], rel=0.05)
 
 
 @pytest.fixture(scope="module")
 def uncertain():
-    one = loop({"drive.friction_n_m": {"family": "log-normal", "median": 0.0018, "sd_log": 0.3}})
-    made = at_shaft(one, draw_assembly(one, posterior(40), RigDiscrepancy(0.05, ""), seed=1))
+    settings = loop(
+        {"drive.friction_n_m": {"family": "log-normal", "median": 0.0018, "sd_log": 0.3}}
+    )
+    made = at_shaft(
+        settings, draw_assembly(settings, posterior(40), RigDiscrepancy(0.05, ""), seed=1)
+    )
     return made, find_hunting(made, 40, 0.05)
 
 
 def test_figures_that_are_right_hold_and_their_share_has_its_interval(uncertain):
-    found = explained(verify(*uncertain, 8))
-    by_name = {one.what: one for one in found.held}
-    assert found.draws == 8
+    verification = explained(verify(*uncertain, 8))
+    by_name = {check.what: check for check in verification.held}
+    assert verification.draws == 8
     for what in ("γ that hunts", "steady error", "lost motion"):
         assert by_name[what].share == 1.0, what
         assert by_name[what].low == pytest.approx(beta.ppf(0.025, 8.5, 0.5))
@@ -85,16 +89,18 @@ def test_figures_that_are_right_hold_and_their_share_has_its_interval(uncertain)
 
 def test_gamma_on_a_soft_cable_is_where_it_hunts_from_outside():
     # a cable that rings at five times the loop: as one shaft it would hunt from 2.32 on
-    one = shaft({"cable.length_m": 0.3})
-    assert float((one.ringing / np.sqrt(one.kp / one.inertia))[0]) == pytest.approx(4.7, abs=0.1)
-    found = find_hunting(one, 1, 0.05)
-    assert found.method == "simulation"
-    threshold, kick = float(found.threshold[0]), float(found.conditions[0].kick_of(one)[0])
+    bench = shaft({"cable.length_m": 0.3})
+    assert float((bench.ringing / np.sqrt(bench.kp / bench.inertia))[0]) == pytest.approx(
+        4.7, abs=0.1
+    )
+    hunting = find_hunting(bench, 1, 0.05)
+    assert hunting.method == "simulation"
+    threshold, kick = float(hunting.threshold[0]), float(hunting.conditions[0].kick_of(bench)[0])
     count = 2 * np.pi / 4000
     for share in (0.95, 1.05):
-        late, _ = from_outside(one, gamma=share * threshold, kick=kick, speed=0.0, duration=2.0)
+        late, _ = from_outside(bench, gamma=share * threshold, kick=kick, speed=0.0, duration=2.0)
         assert (np.ptp(late) > 4 * count) == (share > 1), share
-    as_one_shaft = hunting_threshold(replace(one.sampled(), cable=None), kick=one.kick)
+    as_one_shaft = hunting_threshold(replace(bench.sampled(), cable=None), kick=bench.kick)
     assert threshold < 0.93 * float(as_one_shaft.gamma[0])
 
 
@@ -118,7 +124,7 @@ def test_an_error_at_rest_that_is_too_small_does_not_hold(uncertain, monkeypatch
 def test_what_takes_too_long_is_said(uncertain):
     made, hunting = uncertain
     slow = replace(made, ki=np.full(40, 1e-5), stiction_ratio=np.full(40, 1.5))
-    found = explained(verify(slow, hunting, 4))
-    assert found.agreement is None
-    assert "takes longer than 20 s" in found.agreement_why
-    assert all(one.simulated is None and not one.agrees for one in found.by_draw)
+    verification = explained(verify(slow, hunting, 4))
+    assert verification.agreement is None
+    assert "takes longer than 20 s" in verification.agreement_why
+    assert all(draw.simulated is None and not draw.agrees for draw in verification.by_draw)

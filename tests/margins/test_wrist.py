@@ -40,9 +40,10 @@ def wrist(axis=2, matrix=None, others=None, **changes):
 
 
 def figures(changes):
-    one = shaft(changes)
+    bench = shaft(changes)
     return {
-        name: float(values[0]) for (name, _), values in closed_forms(one, linear_of(one)).items()
+        name: float(values[0])
+        for (name, _), values in closed_forms(bench, linear_of(bench)).items()
     }
 
 
@@ -53,24 +54,24 @@ def test_a_matrix_without_coupling_changes_nothing():
              "stiction_ratio": 1.2}  # fmt: skip
     apart = wrist(1, [[100.0, 0.0], [0.0, 70.0]], OTHERS[:1]) | alone
     expected = figures(alone)
-    found = figures(apart)
-    assert "smallest_step" not in found
-    for name, value in found.items():
+    metrics = figures(apart)
+    assert "smallest_step" not in metrics
+    for name, value in metrics.items():
         assert value == pytest.approx(expected[name], rel=1e-9), name
 
 
 def test_what_the_joints_bring_to_a_motor_by_hand():
     """The pitch's motor turns the pitch by 1/100, and with it the jaws by −1/200 and 1/160."""
     others = [OTHERS[0], {**OTHERS[1], "viscous_n_m_s": 0.04}]
-    one = shaft(wrist(1, others=others, controller__gravity_compensation=0.5))
+    bench = shaft(wrist(1, others=others, controller__gravity_compensation=0.5))
     turned = np.array([1 / 100, -1 / 200, 1 / 160])
     inertia, load = np.array([0.1, 0.2, 0.05]), np.array([0.15, 0.2, -0.1])
-    assert one.load_inertia == pytest.approx((turned**2 * inertia).sum())
-    assert one.load_viscous == pytest.approx((turned**2 * [0.0, 0.02, 0.04]).sum())
-    assert one.joint_friction == pytest.approx((np.abs(turned) * [0.02, 0.03, 0.01]).sum())
-    assert one.load_torque == pytest.approx((turned * load).sum())
-    assert one.net_load == pytest.approx((turned * load).sum() / 2)
-    assert one.tip_per_rad == pytest.approx(0.5 / 100)
+    assert bench.load_inertia == pytest.approx((turned**2 * inertia).sum())
+    assert bench.load_viscous == pytest.approx((turned**2 * [0.0, 0.02, 0.04]).sum())
+    assert bench.joint_friction == pytest.approx((np.abs(turned) * [0.02, 0.03, 0.01]).sum())
+    assert bench.load_torque == pytest.approx((turned * load).sum())
+    assert bench.net_load == pytest.approx((turned * load).sum() / 2)
+    assert bench.tip_per_rad == pytest.approx(0.5 / 100)
     # a jaw's motor turns its jaw alone, and moves along with the pitch
     jaw = shaft(wrist(2, others=[{"inertia_kg_m2": 0.2, "peak_velocity_rad_s": 3.0}, OTHERS[1]],
                       joint__peak_velocity_rad_s=1.0))  # fmt: skip
@@ -81,10 +82,10 @@ def test_what_the_joints_bring_to_a_motor_by_hand():
 def test_headroom_has_the_torque_of_every_joint_in_its_fastest_motion():
     fast = {"joint__peak_acceleration_rad_s2": 4.0, "joint__peak_velocity_rad_s": 1.0}
     changes = wrist(1, **fast)
-    one = shaft(changes)
+    bench = shaft(changes)
     turned = np.abs([1 / 100, -1 / 200, 1 / 160])
     joints = turned @ [0.1 * 4.0, 0.2 * 3.0 + 0.02 * 2.0, 0.0]
-    held = float((one.friction + np.abs(one.load_torque))[0])
+    held = float((bench.friction + np.abs(bench.load_torque))[0])
     needed = held + 2e-5 * 100 * 4.0 + joints
     assert figures(changes)["headroom_clip"] == pytest.approx(1 - needed / 0.1)
 
@@ -93,11 +94,11 @@ def test_headroom_has_the_torque_of_every_joint_in_its_fastest_motion():
 def test_errors_at_rest_are_the_most_that_statics_allows(axis):
     """By linear programs over the friction of every motor and joint, and nothing of the package."""
     changes = wrist(axis, stiction_ratio=1.2, controller__gravity_compensation=0.4)
-    found, one, k = figures(changes), shaft(changes), axis - 1
+    metrics, bench, k = figures(changes), shaft(changes), axis - 1
     c = np.array(PITCH_AND_JAWS)
     rub = np.insert([0.03, 0.01], k, 0.02) * 1.2
     load = np.insert([0.2, -0.1], k, 0.15)
-    motor = 1.2 * float((one.friction - one.joint_friction)[0])
+    motor = 1.2 * float((bench.friction - bench.joint_friction)[0])
     kp, lever, n = 0.02, 0.5, 3
     # unknown: θ (3), friction at motors (3) and joints (3); Cᵀ (−kp C θ + f) + g = what is left
     balance = np.hstack([-kp * c.T @ c, c.T, np.eye(n)])
@@ -106,7 +107,7 @@ def test_errors_at_rest_are_the_most_that_statics_allows(axis):
         linprog(sign * np.eye(9)[k], A_eq=balance, b_eq=0.6 * load, bounds=bounds).fun
         for sign in (1, -1)
     ]
-    assert found["steady_error_servo"] == pytest.approx(lever * np.abs(reach).max(), rel=1e-6)
+    assert metrics["steady_error_servo"] == pytest.approx(lever * np.abs(reach).max(), rel=1e-6)
     # by hand at the joint, motors off and the other joints held
     held = linprog(
         [-1.0, *np.zeros(2 + n), 0.0],
@@ -115,15 +116,15 @@ def test_errors_at_rest_are_the_most_that_statics_allows(axis):
         bounds=[(0, None), (None, None), (None, None), *[(-motor, motor)] * n, (-rub[k], rub[k])],
     )
     force = (-held.fun + abs(load[k])) / lever
-    assert found["backdrive_force"] == pytest.approx(force, rel=1e-6)
+    assert metrics["backdrive_force"] == pytest.approx(force, rel=1e-6)
     # cables give by what the load asks of each motor
-    twists = np.linalg.solve(c.T, load) / one.stiffness
-    assert found["cable_stretch"] == pytest.approx(lever * abs(np.linalg.solve(c, twists)[k]))
+    twists = np.linalg.solve(c.T, load) / bench.stiffness
+    assert metrics["cable_stretch"] == pytest.approx(lever * abs(np.linalg.solve(c, twists)[k]))
 
 
 def test_play_and_reversal_of_all_motors_that_move_along():
     play = {"drive__backlash_rad": 0.1, "joint__load_n_m": 0.0}
-    free = [{**one, "load_n_m": 0.0} for one in OTHERS]
+    free = [{**joint, "load_n_m": 0.0} for joint in OTHERS]
     row = np.abs(np.linalg.inv(PITCH_AND_JAWS))
     for axis in (1, 2):
         with_, without = (figures(wrist(axis, others=free, **more))
@@ -178,14 +179,14 @@ PLAIN = [{"inertia_kg_m2": 0.2, "load_n_m": 0.2}]
 def test_the_joint_rests_within_its_error_with_both_loops_closed(axis):
     changes = wrist(axis, TWO, PLAIN if axis == 1 else [{**PLAIN[0], "inertia_kg_m2": 0.1}],
                     joint__friction_n_m=0.0)  # fmt: skip
-    one = shaft(changes)
+    bench = shaft(changes)
     band = figures(changes)["steady_error_servo"] / 0.5
     load = np.insert([0.2], axis - 1, 0.15)
     inertia = [0.1, 0.2] if axis == 1 else [0.1, 0.1]
     farthest = 0.0
     for kick in ([-0.3, 0.3], [-0.4, -0.8], [0.05, -0.6]):
         path = two_motors(TWO, inertia=inertia, motor_inertia=2e-5, kp=0.02, kd=1e-3, load=load,
-                          friction=float(one.friction[0]), kick=kick, duration=0.6)  # fmt: skip
+                          friction=float(bench.friction[0]), kick=kick, duration=0.6)  # fmt: skip
         rests = np.linalg.solve(TWO, path[-1])[axis - 1]
         farthest = max(farthest, abs(rests))
     assert farthest <= band + 2 * COUNT / 100
@@ -196,13 +197,13 @@ def test_a_motor_swings_as_it_does_while_the_other_is_held():
     changes = wrist(1, TWO, [{"inertia_kg_m2": 0.2}], joint__friction_n_m=0.0,
                     joint__load_n_m=0.0, controller__kd_n_m_s_per_rad=2e-4,
                     cable__length_m=0.001)  # fmt: skip
-    one = shaft(changes)
-    found = traced(one.sampled(np.zeros(1)), kick=1.5, duration=0.4)
+    bench = shaft(changes)
+    motion = traced(bench.sampled(np.zeros(1)), kick=1.5, duration=0.4)
     path = two_motors(TWO, inertia=[0.1, 0.2], motor_inertia=2e-5, kp=0.02, kd=2e-4,
-                      load=np.zeros(2), friction=float(one.friction[0]), kick=[1.5, 0.0],
+                      load=np.zeros(2), friction=float(bench.friction[0]), kick=[1.5, 0.0],
                       held=(1,), duration=0.4)  # fmt: skip
-    times = found.traces.time[:, 0]
-    ours = np.interp(np.arange(len(path)) * 1e-3, times, found.traces.position[:, 0])
+    times = motion.traces.time[:, 0]
+    ours = np.interp(np.arange(len(path)) * 1e-3, times, motion.traces.position[:, 0])
     assert np.abs(ours - path[:, 0]).max() < 0.02
     assert np.ptp(ours) > 1.8
 
@@ -238,16 +239,16 @@ def test_what_was_not_examined_is_said(tmp_path):
     reference = {"kick__reference_range_rad_s": [2.0, 2.0]}
     file = loop(wrist(1, TWO, PLAIN, compensation__boundary_rad_s=2.0, **reference))
     draws = write_draws(tmp_path / "draws.nc", n=40)
-    (told,) = compute_margins([file], draws, simulated=4, ensembles=True).summary.loops
-    rows = {one.name: one for one in told.metrics}
+    (summary,) = compute_margins([file], draws, simulated=4, ensembles=True).summary.loops
+    rows = {metric.name: metric for metric in summary.metrics}
     assert rows["smallest_step"].interval is None
     assert "not examined" in rows["smallest_step"].interval_why
     assert "all motors" in rows["steady_error_servo"].note
-    assert any("move along" in one for one in told.not_examined)
-    assert any("Coupled joints" in one for one in told.warnings)
-    assert told.following is None
-    assert "not examined" in told.following_why
-    assert "shares motors" in told.certificate_why
+    assert any("move along" in remark for remark in summary.not_examined)
+    assert any("Coupled joints" in warning for warning in summary.warnings)
+    assert summary.following is None
+    assert "not examined" in summary.following_why
+    assert "shares motors" in summary.certificate_why
     assert not_applicable(shaft(wrist(1, TWO, PLAIN))) is not None
 
 
@@ -261,9 +262,9 @@ def test_numbers_of_the_other_joints_are_drawn():
 
 
 def test_the_loop_of_a_motor_has_the_inertia_that_it_carries():
-    one, alone = shaft(wrist(1)), shaft({"cable.length_m": 0.5, "joint.friction_n_m": 0.02})
+    bench, alone = shaft(wrist(1)), shaft({"cable.length_m": 0.5, "joint.friction_n_m": 0.02})
     carried = 0.1 / 100**2 + 0.2 / 200**2 + 0.05 / 160**2
     ratio = np.sqrt((2e-5 + 1e-5) / (2e-5 + carried))
-    assert natural_frequency(one) / natural_frequency(alone) == pytest.approx(ratio)
-    assert effective_damping(one) > effective_damping(alone)  # its jaw is viscous
-    assert "others hold still" in " ".join(find_hunting(one, 1, 0.05).not_examined)
+    assert natural_frequency(bench) / natural_frequency(alone) == pytest.approx(ratio)
+    assert effective_damping(bench) > effective_damping(alone)  # its jaw is viscous
+    assert "others hold still" in " ".join(find_hunting(bench, 1, 0.05).not_examined)

@@ -43,7 +43,7 @@ def run(
     for spring, width in zip(springs, half, strict=True):
         x.append(x[-1] - load / spring - (math.copysign(width, load) if load else 0.0))
     if at_end:
-        x = [one + kick - x[-1] for one in x]
+        x = [position + kick - x[-1] for position in x]
     end, count = (-1 if at_end else 0), 2 * math.pi / counts
     seen = round((kick - speed * period) / count) * count
     waiting, torque, integral, errors = [], 0.0, 0.0, []

@@ -45,8 +45,8 @@ def main() -> int:
     parser.add_argument("--again", action="store_true", help="run the survivors again")
     arguments = parser.parse_args()
     command = [arguments.python, HERE / "mutants.py", str(SEED), str(SIZE), *tests_of()]
-    told = subprocess.run(command, cwd=evidence.ROOT, capture_output=True, check=True).stdout
-    sample = json.loads(told)
+    output = subprocess.run(command, cwd=evidence.ROOT, capture_output=True, check=True).stdout
+    sample = json.loads(output)
     copy()
     folder = evidence.work(NAME, sys.modules[__name__])
     folder.mkdir(parents=True, exist_ok=True)
@@ -141,22 +141,22 @@ def save(of: int, cases: list[dict]) -> int:
     for case in survivors:
         sys.stdout.write(f"{case['module']}:{case['line']} {case['equivalent'] or ''}\n")
         sys.stdout.write("".join(f"    {line}\n" for line in case["diff"]))
-    found = figures["killed_of_not_equivalent"]
-    sys.stdout.write(f"killed: {found['share']:.3f} {found['interval_95']} of {found['of']}\n")
-    return 0 if found["share"] >= LEAST else 1
+    killed = figures["killed_of_not_equivalent"]
+    sys.stdout.write(f"killed: {killed['share']:.3f} {killed['interval_95']} of {killed['of']}\n")
+    return 0 if killed["share"] >= LEAST else 1
 
 
 def promises(figures: dict) -> list[Outcome]:
     """Return what was promised beside what was found."""
-    found = figures["killed_of_not_equivalent"]
-    return [rate("an altered formula is noticed", found["killed"], found["of"], least=LEAST)]
+    killed = figures["killed_of_not_equivalent"]
+    return [rate("an altered formula is noticed", killed["killed"], killed["of"], least=LEAST)]
 
 
 def share(outcomes: list[str], left_out: int = 0) -> dict:
-    killed, of = sum(one != "survived" for one in outcomes), len(outcomes) - left_out
+    killed, of = sum(fate != "survived" for fate in outcomes), len(outcomes) - left_out
     interval = binomtest(killed, of).proportion_ci(0.95, method="wilson")
-    found = {"killed": killed, "of": of, "share": round(killed / of, 4)}
-    return found | {"interval_95": [round(float(end), 4) for end in interval]}
+    rates = {"killed": killed, "of": of, "share": round(killed / of, 4)}
+    return rates | {"interval_95": [round(float(end), 4) for end in interval]}
 
 
 if __name__ == "__main__":

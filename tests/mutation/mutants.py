@@ -29,12 +29,12 @@ KEPT = re.compile(
 def places(module: str) -> list[tuple[str, str, int]]:
     """Return module, operator and occurrence of each mutant of a module."""
     tree = get_ast_from_path(Path(module))
-    found = []
+    every_place = []
     for name in filter(KEPT.fullmatch, sorted(plugins.operator_names())):
         operator = plugins.get_operator(name)()
         count = sum(len(list(operator.mutation_positions(node))) for node in ast_nodes(tree))
-        found += [(module, name, at) for at in range(count)]
-    return found
+        every_place += [(module, name, at) for at in range(count)]
+    return every_place
 
 
 def mutant(module: str, name: str, at: int) -> dict:
@@ -58,4 +58,4 @@ if __name__ == "__main__":
     start = random.random() * step
     drawn = [every[int(start + i * step)] for i in range(size)]
     random.shuffle(drawn)
-    json.dump({"of": len(every), "drawn": [mutant(*one) for one in drawn]}, sys.stdout)
+    json.dump({"of": len(every), "drawn": [mutant(*place) for place in drawn]}, sys.stdout)

@@ -54,10 +54,10 @@ ROOMS: dict[ModuleType, dict[str, str]] = {
 
 def tests_of() -> dict[str, tuple[str, ...]]:
     """Return the files of tests of each module, by its path from the root."""
-    found = {}
+    tests_by_file = {}
     for room, rows in ROOMS.items():
         folder = Path(room.__path__[0]).relative_to(ROOT)
         for names, tests in rows.items():
             files = tuple(f"tests/{file}.py" for file in tests.split())
-            found |= {f"{folder / name}.py": files for name in names.split()}
-    return found
+            tests_by_file |= {f"{folder / name}.py": files for name in names.split()}
+    return tests_by_file

@@ -209,8 +209,8 @@ def test_a_batch_is_its_trials_one_by_one():
     together = integrate(batch, TIMES)
     assert together.drive_position_m.shape == (2, 3, TIMES.size)
     for place in np.ndindex(2, 3):
-        one = CompliantMotion(*(getattr(batch, f.name)[place] for f in fields(batch)))
-        alone = one.ends(TIMES)
+        trial = CompliantMotion(*(getattr(batch, f.name)[place] for f in fields(batch)))
+        alone = trial.ends(TIMES)
         assert np.abs(together.load_position_m[place] - alone.load_position_m).max() < 1e-9
 
 

@@ -15,11 +15,11 @@ def test_rival_laws_at_a_wrap_angle(wrap, share):
     expected = {"no-wrap": 9 * (0.0128 * 20 + 0.0261), "bearing-load": 9 * 0.0128 * share * 20}
     expected["bearing-load"] += 9 * 0.0261
     for name, friction in expected.items():
-        found = float(RIVAL_LAWS[name].at_tension(LAW, 9, wrap, 20.0))
-        assert found == pytest.approx(friction, rel=1e-8), name
+        computed = float(RIVAL_LAWS[name].at_tension(LAW, 9, wrap, 20.0))
+        assert computed == pytest.approx(friction, rel=1e-8), name
 
 
 def test_every_law_is_one_at_the_reference_wrap_angle():
     laws = [law for name, law in (BASELINES | RIVAL_LAWS).items() if name != "recursive"]
-    found = [float(law.at_tension(LAW, 9, 85.0, 20.0)) for law in laws]
-    assert found == pytest.approx([9 * (0.0128 * 20 + 0.0261)] * len(laws), rel=1e-12)
+    frictions = [float(law.at_tension(LAW, 9, 85.0, 20.0)) for law in laws]
+    assert frictions == pytest.approx([9 * (0.0128 * 20 + 0.0261)] * len(laws), rel=1e-12)

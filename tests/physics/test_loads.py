@@ -14,7 +14,7 @@ def test_a_load_coasts_through_play_where_the_drive_is_braked_harder():
     speed = np.clip(3.0 - 6.0 * np.maximum(TIME - 1.0, 0.0), 0.0, 3.0)
     path = np.cumsum(speed) * INTERVAL
     ahead, rubs = (
-        one[:, 0] for one in through_play(path, INTERVAL, np.array([2.0]), np.array([0.02]))
+        motion[:, 0] for motion in through_play(path, INTERVAL, np.array([2.0]), np.array([0.02]))
     )
     assert ahead[900] == pytest.approx(-0.01)  # pushed from behind
     coasting = (ahead > -0.0099) & (ahead < 0.0099)
@@ -50,12 +50,12 @@ def test_a_load_on_a_spring_rings_at_its_frequency_and_rubs():
 
 @pytest.mark.parametrize("held", ["play", "spring"])
 def test_drives_side_by_side_are_each_as_alone(held):
-    each = np.array([0.5, np.inf]), np.array([0.004, 0.02])
+    springs = np.array([0.5, np.inf]), np.array([0.004, 0.02])
     paths = [0.01 * np.sin(20 * TIME), 0.02 * np.sin(9 * TIME)]
     intervals = np.array([INTERVAL, 3 * INTERVAL])
-    together = behind(held, np.stack(paths, axis=1), intervals, 2.0, *each, DAMPING)
+    together = behind(held, np.stack(paths, axis=1), intervals, 2.0, *springs, DAMPING)
     for place, path in enumerate(paths):
-        alone = behind(held, path, intervals[place], 2.0, *each, DAMPING)
-        for one, other in zip(together, alone, strict=True):
+        alone = behind(held, path, intervals[place], 2.0, *springs, DAMPING)
+        for batch, other in zip(together, alone, strict=True):
             assert np.ptp(other) > 0
-            assert np.array_equal(one[:, place], other)
+            assert np.array_equal(batch[:, place], other)

@@ -26,9 +26,9 @@ def test_friction_is_the_law_at_its_own_tension(velocity):
     for _ in range(200):  # F = sign(v) fc(m g + F / 2), by iteration
         tension = 1.5 * G + friction / 2
         friction = np.sign(velocity) * float(coulomb_friction(law, 15, 135.0, tension))
-    found = motor_friction(law, condition)
-    assert float(found) == pytest.approx(friction, rel=1e-12)
-    assert float(nominal_tension(condition, found)) == pytest.approx(tension, rel=1e-12)
+    computed = motor_friction(law, condition)
+    assert float(computed) == pytest.approx(friction, rel=1e-12)
+    assert float(nominal_tension(condition, computed)) == pytest.approx(tension, rel=1e-12)
 
 
 @pytest.mark.parametrize("velocity", [0.3, -0.3])
@@ -38,8 +38,8 @@ def test_recursive_friction_by_a_loop_over_pulleys(velocity):
     tension = 1.5 * G
     for _ in range(15):  # towards the motor: up when it pulls, down when the weight does
         tension = (tension + 0.0261) / (1 - a) if velocity > 0 else (1 - a) * tension - 0.0261
-    found = recursive_motor_friction(law, MotorCondition(15, 135.0, 1.5, velocity, G))
-    assert float(found) == pytest.approx(tension - 1.5 * G, rel=1e-12)
+    computed = recursive_motor_friction(law, MotorCondition(15, 135.0, 1.5, velocity, G))
+    assert float(computed) == pytest.approx(tension - 1.5 * G, rel=1e-12)
 
 
 def test_the_papers_nominal_tensions_come_out():
@@ -74,5 +74,5 @@ def test_a_further_drag_is_fed_back_by_the_tension(velocity):
             friction = float(coulomb_friction(law, 15, 135.0, 1.5 * G + force / 2))
             force = sign * friction + drag
         forces.append(force)
-    found = float(tension_feedback(law, condition))
-    assert found == pytest.approx(forces[1] - forces[0], rel=1e-10)
+    feedback = float(tension_feedback(law, condition))
+    assert feedback == pytest.approx(forces[1] - forces[0], rel=1e-10)

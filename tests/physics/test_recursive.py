@@ -52,18 +52,18 @@ def test_the_loss_is_that_of_the_walk(wraps):
     if len(set(wraps)) == 1:
         losses.append(equal_pulleys(SMALL, len(wraps), wraps[0]))
     for loss in losses:
-        for known, tension in (("drive", drive), ("load", load), ("mean", (drive + load) / 2)):
-            friction = recursive_friction(loss, tension, known)
+        for known_at, tension in (("drive", drive), ("load", load), ("mean", (drive + load) / 2)):
+            friction = recursive_friction(loss, tension, known_at)
             assert friction == pytest.approx(drive - load, rel=1e-12)
 
 
 def test_the_order_of_the_pulleys_matters_to_the_constant_part_only():
     # c2 lost early is pulled through what follows: the steep pulley after it or before it.
-    one, other = (pulley_by_pulley(SMALL, wraps) for wraps in ([180.0, 15.0], [15.0, 180.0]))
-    assert one.share == pytest.approx(other.share, rel=1e-14)
+    wide_first, other = (pulley_by_pulley(SMALL, wraps) for wraps in ([180.0, 15.0], [15.0, 180.0]))
+    assert wide_first.share == pytest.approx(other.share, rel=1e-14)
     first = 1 - (SMALL.c1 + SMALL.c3 * (15 - 85))
-    assert one.constant_n == pytest.approx(SMALL.c2 * (1 + first), rel=1e-14)
-    assert one.constant_n - other.constant_n > 1e-5
+    assert wide_first.constant_n == pytest.approx(SMALL.c2 * (1 + first), rel=1e-14)
+    assert wide_first.constant_n - other.constant_n > 1e-5
 
 
 @pytest.mark.parametrize("a", [0.0, 1e-300, 1e-17, 1e-9, 1e-4, 0.3, -0.02])
@@ -79,9 +79,9 @@ def test_no_digit_is_lost_at_small_friction(a):
 
 def test_draws_and_pulleys_broadcast():
     draws = Coefficients(np.array([0.01, 0.02]), np.array([0.02, 0.03]), np.zeros(2))
-    many = pulley_by_pulley(draws, [60.0, 85.0, 120.0])
-    assert many.share.shape == (2,)
-    assert many.share[1] == pytest.approx(1 - 0.98**3, rel=1e-12)
+    losses = pulley_by_pulley(draws, [60.0, 85.0, 120.0])
+    assert losses.share.shape == (2,)
+    assert losses.share[1] == pytest.approx(1 - 0.98**3, rel=1e-12)
     table = equal_pulleys(
         Coefficients(*(value[:, None] for value in draws)), np.array([5, 9, 15, 19]), 85.0
     )

@@ -107,12 +107,12 @@ def test_what_acts_alike_is_a_pair(plan):
 
 def test_one_angle_leaves_c3_to_its_prior_and_another_angle_tells_it():
     design = Protocol({(9, 85.0): 2, (15, 85.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
-    found = power(simulate_recording(design, seed=4, rigs=("gravity",)))
-    informed = found.coefficients["informed"]
+    planned = power(simulate_recording(design, seed=4, rigs=("gravity",)))
+    informed = planned.coefficients["informed"]
     assert not informed[["c3[small]", "c3[medium]", "c3[large]"]].any()
     assert informed[["c1[small]", "c2[large]"]].all()
     # The prior is a share of the c1 of Table I, for which it is planned.
-    assert found.coefficients.loc["c3[large]", "sd"] == pytest.approx(0.005 * 0.00239, rel=1e-6)
+    assert planned.coefficients.loc["c3[large]", "sd"] == pytest.approx(0.005 * 0.00239, rel=1e-6)
 
 
 def test_the_next_condition_is_one_that_this_size_can_have(plan):
@@ -130,17 +130,17 @@ def test_a_bench_knows_its_law_as_least_squares_does(tmp_path, setups, shared):
     setup = np.arange(40) % (setups or 40)
     points = slide() | {"friction_sd_n": np.full(40, 0.1)}
     if setups:
-        points["setup"] = [f"a{one}" for one in setup]
-    found = power(recorded(tmp_path / "slide", points)).coefficients
+        points["setup"] = [f"a{number}" for number in setup]
+    coefficients = power(recorded(tmp_path / "slide", points)).coefficients
     load = np.asarray(points["tension_n"])
     design = np.stack([load, np.ones(40)], axis=1)
-    friction = design @ found["value"].loc[["c1", "c2"]]
+    friction = design @ coefficients["value"].loc[["c1", "c2"]]
     alike = np.equal.outer(setup, setup)
     loaded = alike & np.equal.outer(load, load)
     covariance = np.diag((0.01 * friction) ** 2 + 0.1**2)
     covariance += np.outer(friction, friction) * (shared**2 * alike + 0.001**2 * loaded)
     sd = np.sqrt(np.diag(np.linalg.inv(design.T @ np.linalg.solve(covariance, design))))
-    np.testing.assert_allclose(found["sd"].loc[["c1", "c2"]], sd, rtol=0.02)
+    np.testing.assert_allclose(coefficients["sd"].loc[["c1", "c2"]], sd, rtol=0.02)
 
 
 def test_a_machine_whose_friction_nobody_knows_takes_its_size_from_its_forces(tmp_path):
@@ -149,9 +149,9 @@ def test_a_machine_whose_friction_nobody_knows_takes_its_size_from_its_forces(tm
         power(recorded(tmp_path / str(force), joint(3.0, force=force), rotary=True))
         for force in (1.0, 2.0)
     ]
-    one, twice = (plan.coefficients.loc["c2"] for plan in plans)
-    assert twice["value"] == pytest.approx(2 * one["value"], rel=1e-6)
-    assert twice["sd"] == pytest.approx(2 * one["sd"], rel=1e-3)
+    plain, twice = (plan.coefficients.loc["c2"] for plan in plans)
+    assert twice["value"] == pytest.approx(2 * plain["value"], rel=1e-6)
+    assert twice["sd"] == pytest.approx(2 * plain["sd"], rel=1e-3)
     shares = [plan.effects["share"].to_numpy(dtype=float) for plan in plans]
     np.testing.assert_allclose(*shares, rtol=1e-3)
     assert "viscous/constant" in plans[0].effects.index
@@ -170,22 +170,22 @@ def test_an_axis_that_runs_twice_as_often_knows_its_mass_better_by_the_root_of_t
 
     machine = Machine()
     table, samples = simulate(machine, runs=4, seconds=5.0, seed=2)
-    twice = [pd.concat([one, again(one)]) for one in (table, samples)]
-    found = []
+    twice = [pd.concat([part, again(part)]) for part in (table, samples)]
+    coefficients_of_plans = []
     for name, tables in (("once", (table, samples)), ("twice", twice)):
         written = write(tmp_path / name, machine, *tables)
-        found.append(power(read_recording(written)).coefficients)
-    few, many = found
+        coefficients_of_plans.append(power(read_recording(written)).coefficients)
+    few, doubled = coefficients_of_plans
     assert few.index.tolist() == ["mass", "coulomb", "viscous"]
-    assert many["sd"]["mass"] == pytest.approx(few["sd"]["mass"] / np.sqrt(2), rel=0.05)
+    assert doubled["sd"]["mass"] == pytest.approx(few["sd"]["mass"] / np.sqrt(2), rel=0.05)
 
 
 def test_a_motor_board_tells_its_torque_constant_from_friction():
     recording = simulate_recording(DESIGN, seed=5, rigs=("motor",))
     plan, again = power(recording), power(simulate_recording(DESIGN, seed=6, rigs=("motor",)))
     assert "torque-constant/scaled" in plan.effects.index
-    one, other = (found.coefficients["sd"].sort_index() for found in (plan, again))
-    np.testing.assert_allclose(one, other, rtol=0.02)
+    planned, other = (power_of.coefficients["sd"].sort_index() for power_of in (plan, again))
+    np.testing.assert_allclose(planned, other, rtol=0.02)
 
 
 def test_conditions_at_which_nothing_moves_are_refused():

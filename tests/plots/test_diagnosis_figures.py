@@ -21,8 +21,8 @@ from bayesfric.plots.style import to_svg
 
 
 def panel(fig, label):
-    (found,) = [axes for axes in fig.axes if axes.get_xlabel() == label]
-    return found
+    (labelled,) = [axes for axes in fig.axes if axes.get_xlabel() == label]
+    return labelled
 
 
 def widths(axes):
@@ -37,8 +37,8 @@ SHARE = "share of the systematic force (variance)"
 
 
 def test_bars_of_where_are_the_shares_with_their_intervals_and_what_is_left():
-    found = stored_diagnosis().record
-    fig = where_it_lies(found.where, None, unexplained=found.unexplained)
+    record = stored_diagnosis().record
+    fig = where_it_lies(record.where, None, unexplained=record.unexplained)
     axes = panel(fig, SHARE)
     assert tick_texts(axes) == [
         "velocity", "displacement", "tension", "number of pulleys", "order", "setup",
@@ -47,17 +47,17 @@ def test_bars_of_where_are_the_shares_with_their_intervals_and_what_is_left():
     assert widths(axes) == pytest.approx([0.62, 0.21, 0.093, 0.021, 0.0032, 0.0, 0.0528])
     assert sum(widths(axes)) == pytest.approx(1.0)
     bar, alone = axes.lines[:2]
-    share = found.where[0].share
+    share = record.where[0].share
     assert list(bar.get_xdata()) == [share.q05, share.q95]
-    assert list(alone.get_xdata()) == [found.where[0].alone.q50]
+    assert list(alone.get_xdata()) == [record.where[0].alone.q50]
     assert axes.texts[0].get_text() == "0.62"
 
 
 def test_the_bar_of_the_axis_that_leads_is_another_colour_than_all_others():
-    found = stored_diagnosis().record
-    first, *others = panel(where_it_lies(found.where, None), SHARE).patches
+    record = stored_diagnosis().record
+    first, *others = panel(where_it_lies(record.where, None), SHARE).patches
     assert first.get_facecolor() not in {bar.get_facecolor() for bar in others}
-    alike = tuple(one.model_copy(update={"leads": False}) for one in found.where)
+    alike = tuple(axis_of_gap.model_copy(update={"leads": False}) for axis_of_gap in record.where)
     colours = {bar.get_facecolor() for bar in panel(where_it_lies(alike, None), SHARE).patches}
     assert colours == {others[0].get_facecolor()}
 
@@ -73,7 +73,9 @@ def test_shapes_are_the_stored_bands_of_the_four_largest():
     np.testing.assert_array_equal(curve.get_xydata().T, [shape.grid, shape.gap_n])
     np.testing.assert_array_equal(dots.get_ydata(), stored.curves["residuals"]["residual_n"])
     assert list(zero.get_ydata()) == [0, 0]
-    (band,) = [one for one in axes.collections if isinstance(one, PolyCollection)]
+    (band,) = [
+        collection for collection in axes.collections if isinstance(collection, PolyCollection)
+    ]
     edges = band.get_paths()[0].vertices[:, 1]
     assert (edges.min(), edges.max()) == (min(shape.low_n), max(shape.high_n))
 
@@ -91,8 +93,8 @@ def test_ticks_of_many_kinds_do_not_overprint():
     shape = first.shape.model_copy(
         update={"grid": grid, "gap_n": curve, "low_n": curve, "high_n": curve}
     )
-    many = first.model_copy(update={"axis": "setup", "unit": "1", "shape": shape})
-    axes = panel(where_it_lies((many,), None), "setup")
+    crowded = first.model_copy(update={"axis": "setup", "unit": "1", "shape": shape})
+    axes = panel(where_it_lies((crowded,), None), "setup")
     assert [text.get_text() for text in axes.get_xticklabels()] == [
         "1", "6", "11", "16", "21", "26", "31", "36",
     ]  # fmt: skip

@@ -70,7 +70,7 @@ def test_labels_of_the_pairs_do_not_overprint(small_fit):
     fig = coefficient_pairs(small_fit.draws, "medium", None)
     fig.canvas.draw()
     labels = [axes.yaxis.label for axes in fig.axes if axes.get_ylabel() and axes.axison]
-    boxes = [one.get_window_extent() for one in labels if one.get_visible()]
+    boxes = [label.get_window_extent() for label in labels if label.get_visible()]
     boxes = sorted(boxes, key=lambda box: box.y0)
     assert len(boxes) >= 2
     assert all(low.y1 <= high.y0 or low.x1 <= high.x0 for low, high in pairwise(boxes))
@@ -142,7 +142,9 @@ def test_friction_below_is_relative_to_the_median_of_the_law(small_fit):
     points = [line for line in below.lines if line.get_linestyle() == "None"]
     shown = np.sort(np.concatenate([line.get_ydata() for line in points]))
     assert shown == pytest.approx(np.sort(100 * (trials["friction_n"].to_numpy() / law - 1)))
-    (bars,) = [found for found in below.collections if isinstance(found, LineCollection)]
+    (bars,) = [
+        collection for collection in below.collections if isinstance(collection, LineCollection)
+    ]
     ends = np.sort([segment[:, 1] for segment in bars.get_segments()], axis=0)
     predicted = 100 * (trials["predicted_n"].to_numpy()[:, [0, 2]] / law[:, None] - 1)
     assert ends == pytest.approx(np.sort(predicted, axis=0))

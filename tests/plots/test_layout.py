@@ -29,9 +29,9 @@ def laid_out(fig):
     return renderer, [axes.get_tightbbox(renderer) for axes in fig.axes if axes.get_visible()]
 
 
-def overlap(one, other):
-    across = min(one.x1, other.x1) - max(one.x0, other.x0)
-    up = min(one.y1, other.y1) - max(one.y0, other.y0)
+def overlap(box, other):
+    across = min(box.x1, other.x1) - max(box.x0, other.x0)
+    up = min(box.y1, other.y1) - max(box.y0, other.y0)
     return min(across, up)
 
 
@@ -49,8 +49,8 @@ def test_panels_with_their_words_lie_apart_and_inside_the_figure():
     with figure(height=90) as fig:
         panels(fig)
         _, boxes = laid_out(fig)
-    for one, other in combinations(boxes, 2):
-        assert overlap(one, other) < CLOSE
+    for first, other in combinations(boxes, 2):
+        assert overlap(first, other) < CLOSE
     for box in boxes:
         assert box.x0 > -CLOSE
         assert box.y0 > -CLOSE
@@ -73,9 +73,9 @@ def test_a_key_lies_beside_the_panels(side):
         panels(fig)
         legend = key(fig, [Line2D([], [], label="one"), Line2D([], [], label="two")], side=side)
         renderer, boxes = laid_out(fig)
-    found = legend.get_window_extent(renderer)
-    assert max(overlap(found, box) for box in boxes) < CLOSE
-    assert (found.y0 > max(box.y0 for box in boxes)) == (side == "above")
+    key_box = legend.get_window_extent(renderer)
+    assert max(overlap(key_box, box) for box in boxes) < CLOSE
+    assert (key_box.y0 > max(box.y0 for box in boxes)) == (side == "above")
 
 
 def test_words_of_the_whole_figure_lie_beside_the_panels():
@@ -84,10 +84,10 @@ def test_words_of_the_whole_figure_lie_beside_the_panels():
         words = fig.supxlabel("rank"), fig.supylabel("count"), fig.suptitle("Which?")
         renderer, boxes = laid_out(fig)
     for text in words:
-        found = text.get_window_extent(renderer)
-        assert max(overlap(found, box) for box in boxes) < CLOSE
-        assert found.x0 > -CLOSE
-        assert found.y1 < fig.bbox.height + CLOSE
+        text_box = text.get_window_extent(renderer)
+        assert max(overlap(text_box, box) for box in boxes) < CLOSE
+        assert text_box.x0 > -CLOSE
+        assert text_box.y1 < fig.bbox.height + CLOSE
 
 
 def test_parts_of_a_figure_do_not_reach_into_each_other():

@@ -20,8 +20,8 @@ def points(axes):
 
 def bars(axes):
     """Ends of the vertical bars, as rows of x, lower and upper end."""
-    found = [c for c in axes.collections if isinstance(c, LineCollection)]
-    segments = [segment for collection in found for segment in collection.get_segments()]
+    collections = [c for c in axes.collections if isinstance(c, LineCollection)]
+    segments = [segment for collection in collections for segment in collection.get_segments()]
     return np.array([(segment[0, 0], *np.sort(segment[:, 1])) for segment in segments])
 
 
@@ -43,8 +43,8 @@ def predictive(wrap_fit):
 def test_slopes_and_intercepts_over_the_number_of_pulleys(predictive):
     table = predictive["tension_lines"].to_dataset()
     fig = line_against_pulleys(predictive)
-    here = (table["pulley_size"] == "medium") & table["upright"]
-    cells = table.isel(cell=np.flatnonzero(here))
+    chosen = (table["pulley_size"] == "medium") & table["upright"]
+    cells = table.isel(cell=np.flatnonzero(chosen))
     n = cells["n_pulleys"].to_numpy()
     for axes, name, unit in ((fig.axes[1], "slope", ""), (fig.axes[4], "intercept", "_n")):
         value = 1e3 * cells[f"{name}{unit}"].to_numpy()
@@ -78,8 +78,8 @@ def test_friction_against_wrap_has_a_row_for_each_number_of_pulleys(predictive):
         "n = 9\nfriction [N]",
         "n = 15\nfriction [N]",
     ]
-    here = (table["pulley_size"] == "large") & (table["n_pulleys"] == 9)
-    some = table.isel(line=np.flatnonzero(here))
+    chosen = (table["pulley_size"] == "large") & (table["n_pulleys"] == 9)
+    some = table.isel(line=np.flatnonzero(chosen))
     angle = some["wrap_angle_deg"].to_numpy().ravel()
     expected = np.column_stack([angle, some["friction_n"].to_numpy().ravel()])
     assert in_order(points(fig.axes[2])) == pytest.approx(in_order(expected))

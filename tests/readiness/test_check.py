@@ -25,7 +25,7 @@ def hinge():
 
 
 @pytest.fixture(scope="module")
-def told(hinge):
+def readiness(hinge):
     (part,) = readiness_of(hinge).parts
     return part
 
@@ -34,19 +34,19 @@ def run(*arguments):
     return CliRunner().invoke(app, [*map(str, arguments)])
 
 
-def test_errors_lie_about_those_that_are_made(told):
+def test_errors_lie_about_those_that_are_made(readiness):
     """Noise alone is too little, since MuJoCo's friction gives way; the law's own share enough."""
     truth = {"mass": 0.05, "coulomb": 0.6, "viscous": 0.3}
-    for name, row in told.power.coefficients.iterrows():
+    for name, row in readiness.power.coefficients.iterrows():
         assert row["informed"]
         assert abs(row["value"] - truth[name]) < 3 * row["sd_where_law_is_off"], name
         assert row["sd"] <= row["sd_where_law_is_off"] * 1.01
 
 
 @pytest.mark.nightly
-def test_errors_are_those_of_the_law_in_a_diagnosis(hinge, told):
+def test_errors_are_those_of_the_law_in_a_diagnosis(hinge, readiness):
     law = bf.diagnose(hinge).summary.law
-    for name, row in told.power.coefficients.iterrows():
+    for name, row in readiness.power.coefficients.iterrows():
         in_diagnosis = {"mass": "armature"}.get(name, name)
         number = law.get(in_diagnosis) or law["inertia"]
         assert row["sd"] == pytest.approx(number.before.sd, rel=0.2), name
@@ -87,16 +87,16 @@ def test_an_effect_that_the_law_lacks_is_no_noise_of_it(tmp_path):
     assert "These errors allow for spring, which a first look shows." in "\n".join(part.lines())
 
 
-def test_what_is_told_what_is_not_and_what_to_record(told):
-    can, cannot = told.effects
+def test_what_is_told_what_is_not_and_what_to_record(readiness):
+    can, cannot = readiness.effects
     assert {"stribeck", "load-friction", "delay"} <= set(can)
     assert {"thermal", "stiction"} <= set(cannot)
     assert "viscous" not in cannot  # the law has it
-    laws = told.power.effects
+    laws = readiness.power.effects
     assert (laws["unseen"] < laws["smallest"]).all()
     assert " (never below " in can["stribeck"]
-    assert told.advice["a temperature column, from cold to warm"] == ["thermal"]
-    text = "\n".join(told.lines())
+    assert readiness.advice["a temperature column, from cold to warm"] == ["thermal"]
+    text = "\n".join(readiness.lines())
     assert "What to record next" in text
     assert "rests of different lengths" in text
     # What a further run would take depends on the links that the model knows.

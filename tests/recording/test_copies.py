@@ -33,17 +33,17 @@ def printed(rng: np.random.Generator, size: int, digits: int) -> list[str]:
 def test_a_table_pasted_six_times_is_there_once(tmp_path: Path) -> None:
     block = printed(np.random.default_rng(1), 8, 4)
     tension = [str(t) for t in range(5, 13)]
-    found = steady(tmp_path, 6 * block, 6 * tension)
-    assert left(found) == [f"p{k}" for k in range(8)]
-    (note,) = found.notes
+    recording = steady(tmp_path, 6 * block, 6 * tension)
+    assert left(recording) == [f"p{k}" for k in range(8)]
+    (note,) = recording.notes
     assert note.startswith("steady_friction.csv: run p8 of p0, p9 of p1, p10 of p2,")
     assert note.endswith("and 30 more: exact copies, used once")
 
 
 def test_one_reading_of_many_digits_that_stands_twice_is_a_copy(tmp_path: Path) -> None:
-    found = steady(tmp_path, ["0.70312847", "0.7", "0.70312847"], ["5", "5", "5"])
-    assert left(found) == ["p0", "p1"]
-    assert found.notes == ("steady_friction.csv: run p2 of p0: an exact copy, used once",)
+    recording = steady(tmp_path, ["0.70312847", "0.7", "0.70312847"], ["5", "5", "5"])
+    assert left(recording) == ["p0", "p1"]
+    assert recording.notes == ("steady_friction.csv: run p2 of p0: an exact copy, used once",)
 
 
 def test_the_same_reading_at_another_tension_is_no_copy(tmp_path: Path) -> None:
@@ -54,9 +54,9 @@ def test_the_same_reading_at_another_tension_is_no_copy(tmp_path: Path) -> None:
 def test_rounded_readings_repeat_honestly(tmp_path: Path, digits: int) -> None:
     """300 repeats of five conditions: by chance many are alike, and none is a copy."""
     rng = np.random.default_rng(2)
-    found = steady(tmp_path, printed(rng, 1500, digits), 300 * ["5", "6", "7", "8", "9"])
-    assert len(left(found)) == 1500
-    assert found.notes == ()
+    recording = steady(tmp_path, printed(rng, 1500, digits), 300 * ["5", "6", "7", "8", "9"])
+    assert len(left(recording)) == 1500
+    assert recording.notes == ()
 
 
 def test_a_bench_finer_than_its_display_repeats_honestly(tmp_path: Path) -> None:
@@ -74,11 +74,11 @@ def test_a_trial_with_the_events_of_another_counts_once(tmp_path: Path, later: s
     for row in mini.rows[EVENTS][1:11]:
         time = row[3] if not later else f"{float(row[3]) + 5:.6f}"
         mini.rows[EVENTS].append(["g9", *row[1:3], time])
-    found = read_recording(mini.write(tmp_path))
-    assert found.gravity is not None
-    assert list(found.gravity.trials["trial"]) == ["g1", "g2", "g3"]
-    assert "g9" not in set(found.gravity.events["trial"])
-    assert found.notes == ("gravity_trials.csv: trial g9 of g1: an exact copy, used once",)
+    recording = read_recording(mini.write(tmp_path))
+    assert recording.gravity is not None
+    assert list(recording.gravity.trials["trial"]) == ["g1", "g2", "g3"]
+    assert "g9" not in set(recording.gravity.events["trial"])
+    assert recording.notes == ("gravity_trials.csv: trial g9 of g1: an exact copy, used once",)
 
 
 def test_the_same_events_under_another_condition_are_kept_and_said(tmp_path: Path) -> None:
@@ -87,10 +87,10 @@ def test_the_same_events_under_another_condition_are_kept_and_said(tmp_path: Pat
     copy[:3], copy[6] = ["g9", "9", "c"], "1.61"
     mini.rows[TRIALS].append(copy)
     mini.rows[EVENTS] += [["g9", *row[1:]] for row in mini.rows[EVENTS][1:11]]
-    found = read_recording(mini.write(tmp_path))
-    assert found.gravity is not None
-    assert len(found.gravity.trials) == 4
-    assert found.notes[0].startswith("gravity_trials.csv: g9 and g1 have the same events")
+    recording = read_recording(mini.write(tmp_path))
+    assert recording.gravity is not None
+    assert len(recording.gravity.trials) == 4
+    assert recording.notes[0].startswith("gravity_trials.csv: g9 and g1 have the same events")
 
 
 def test_runs_of_the_motor_board_that_are_pasted_twice_count_once(tmp_path: Path) -> None:
@@ -98,9 +98,9 @@ def test_runs_of_the_motor_board_that_are_pasted_twice_count_once(tmp_path: Path
     mini.set(RUNS, 3, "current_a", "3.402881")
     mini.rows[RUNS] += [["m3", "3", "y", *row[3:]] for row in mini.rows[RUNS][1:2]]
     mini.rows[RUNS] += [["m4", "4", "y", *row[3:]] for row in mini.rows[RUNS][2:3]]
-    found = read_recording(mini.write(tmp_path))
-    assert found.motor is not None
-    assert list(found.motor.runs["run"]) == ["m1", "m2"]
+    recording = read_recording(mini.write(tmp_path))
+    assert recording.motor is not None
+    assert list(recording.motor.runs["run"]) == ["m1", "m2"]
 
 
 def test_runs_of_a_joint_with_the_same_samples_count_once(tmp_path: Path) -> None:
@@ -112,8 +112,8 @@ def test_runs_of_a_joint_with_the_same_samples_count_once(tmp_path: Path) -> Non
     log = log.assign(force_time_s=log.time_s, command_time_s=log.time_s)
     text = log[names[1:]].astype(str).to_numpy().tolist()
     mini.rows[SAMPLES] = [names, *([run, *row] for run in ("r1", "r2") for row in text)]
-    found = read_recording(mini.write(tmp_path))
-    assert found.axis is not None
-    assert list(found.axis.runs["run"]) == ["r1"]
-    assert len(found.axis.samples) == 20
-    assert "axis_runs.csv: run r2 of r1: an exact copy, used once" in found.notes
+    recording = read_recording(mini.write(tmp_path))
+    assert recording.axis is not None
+    assert list(recording.axis.runs["run"]) == ["r1"]
+    assert len(recording.axis.samples) == 20
+    assert "axis_runs.csv: run r2 of r1: an exact copy, used once" in recording.notes

@@ -26,10 +26,10 @@ def tables(draw):
 def read(how, text):
     """Return what is found, in lists, or the faults."""
     try:
-        found = how(text)
+        parsed = how(text)
     except InputError as error:
         return error.faults
-    header, columns, lines, ragged = found
+    header, columns, lines, ragged = parsed
     return header, [list(column) for column in columns], list(lines), ragged
 
 

@@ -48,10 +48,10 @@ def round_trip(recording: Recording, folder: Path) -> Recording:
 
 
 def test_all_keys_are_carried_there_and_back(tmp_path: Path) -> None:
-    found = read_recording(joints(**KEYS).write(tmp_path / "a"))
-    assert {key: getattr(found.rig, key) for key in KEYS} == KEYS
-    assert round_trip(found, tmp_path / "b").rig == found.rig
-    (_, note) = found.notes
+    recording = read_recording(joints(**KEYS).write(tmp_path / "a"))
+    assert {key: getattr(recording.rig, key) for key in KEYS} == KEYS
+    assert round_trip(recording, tmp_path / "b").rig == recording.rig
+    (_, note) = recording.notes
     assert note.startswith("datapackage.json: rig.sample_hold_s, rig.command_gain")
 
 
@@ -92,10 +92,10 @@ def test_a_robot_is_read_and_written_with_its_file(tmp_path: Path, file: str, te
     mini = joints(robot={"model": file, "joints": {"q1": "joint_2"}})
     (tmp_path / "a" / file).parent.mkdir(parents=True)
     folder = write_files(tmp_path / "a", mini.contents() | {file: text.encode()})
-    found = read_recording(folder)
-    assert found.rig.robot is not None
-    assert found.rig.robot.content == text.encode()
-    assert round_trip(found, tmp_path / "b").rig == found.rig
+    recording = read_recording(folder)
+    assert recording.rig.robot is not None
+    assert recording.rig.robot.content == text.encode()
+    assert round_trip(recording, tmp_path / "b").rig == recording.rig
 
 
 def including(file: str) -> str:
@@ -109,10 +109,10 @@ def test_what_a_model_includes_is_carried_with_it(tmp_path: Path) -> None:
     (tmp_path / "a/models").mkdir(parents=True)
     texts = {"models/arm.xml": including("part.xml"), "models/part.xml": part}
     contents = {name: text.encode() for name, text in texts.items()}
-    found = read_recording(write_files(tmp_path / "a", mini.contents() | contents))
-    assert found.rig.robot is not None
-    assert dict(found.rig.robot.files) == {"models/part.xml": part.encode()}
-    assert round_trip(found, tmp_path / "b").rig == found.rig
+    recording = read_recording(write_files(tmp_path / "a", mini.contents() | contents))
+    assert recording.rig.robot is not None
+    assert dict(recording.rig.robot.files) == {"models/part.xml": part.encode()}
+    assert round_trip(recording, tmp_path / "b").rig == recording.rig
 
 
 @pytest.mark.parametrize(
@@ -159,9 +159,9 @@ def test_each_joint_has_a_clock_of_its_own(tmp_path: Path) -> None:
     for line, joint in ((3, "q2"), (5, "q1"), (6, "q2")):
         mini.set(SAMPLES, line, "joint", joint)
     mini.set(SAMPLES, 3, "time_s", "0.00").set(SAMPLES, 6, "time_s", "0.00")
-    found = read_recording(mini.write(tmp_path / "a"))
-    assert found.axis is not None
-    assert found.axis.samples["joint"].tolist() == ["q1", "q2", "q1", "q1", "q2"]
+    recording = read_recording(mini.write(tmp_path / "a"))
+    assert recording.axis is not None
+    assert recording.axis.samples["joint"].tolist() == ["q1", "q2", "q1", "q1", "q2"]
     mini.set(SAMPLES, 4, "time_s", "0.00")
     assert "row 4, time_s" in fault_of(mini.write(tmp_path / "b"))
 
@@ -177,18 +177,18 @@ def test_a_temperature_in_kelvin_is_named(tmp_path: Path) -> None:
     mini = joints()
     for line in range(2, 7):
         mini.set(SAMPLES, line, "temperature_c", "294.5")
-    told = fault_of(mini.write(tmp_path))
-    assert "is it in kelvin?" in told
-    assert told.endswith("and 4 like it")
+    fault = fault_of(mini.write(tmp_path))
+    assert "is it in kelvin?" in fault
+    assert fault.endswith("and 4 like it")
 
 
 def test_commands_alone_are_a_log(tmp_path: Path) -> None:
     mini = joints(rotary=True).drop(SAMPLES, "force_n", "force_time_s", "command_m")
     assert "or command_m where only" in fault_of(mini.write(tmp_path / "none"))
     mini.add(SAMPLES, "command_rad", ["0", "0.1", "0.2", "0", "0.1"])
-    found = read_recording(mini.write(tmp_path / "rad"))
-    assert found.axis is not None
-    assert found.axis.samples["command_m"].tolist() == [0.0, 0.1, 0.2, 0.0, 0.1]
+    recording = read_recording(mini.write(tmp_path / "rad"))
+    assert recording.axis is not None
+    assert recording.axis.samples["command_m"].tolist() == [0.0, 0.1, 0.2, 0.0, 0.1]
     mini.set(SAMPLES, 3, "command_rad", "x")
     assert "row 3, command_rad: found 'x'" in fault_of(mini.write(tmp_path / "cell"))
     mini.set(SAMPLES, 3, "command_rad", "0.1")

@@ -16,10 +16,10 @@ def test_rows_of_nothing_at_the_end_are_passed_over(tmp_path: Path) -> None:
     files = Mini().contents()
     plain = read_recording(write_files(tmp_path / "plain", files))
     files[RUNS] += b",,,,,,,,,\n" * 3 + b"\n\n"
-    found = read_recording(write_files(tmp_path / "more", files))
-    assert found.motor is not None
+    recording = read_recording(write_files(tmp_path / "more", files))
+    assert recording.motor is not None
     assert plain.motor is not None
-    assert found.motor.runs.equals(plain.motor.runs)
+    assert recording.motor.runs.equals(plain.motor.runs)
 
 
 def test_one_outlier_of_a_current_or_a_friction_is_data(tmp_path: Path) -> None:

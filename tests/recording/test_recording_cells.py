@@ -140,9 +140,9 @@ def test_optional_column_may_be_absent_or_wholly_empty(
     if column == "acceleration_m_s2":  # the trial that rests on it
         absent.rows[file].pop()
         empty.rows[file].pop()
-    one = read_recording(absent.write(tmp_path / "absent"))
+    without = read_recording(absent.write(tmp_path / "absent"))
     other = read_recording(empty.write(tmp_path / "empty"))
-    frames = [frame_of(recording, file) for recording in (one, other)]
+    frames = [frame_of(recording, file) for recording in (without, other)]
     assert list(frames[0].columns) == list(frames[1].columns)
     filled_in = column == "setup" and file in ("gravity_trials.csv", "motor_runs.csv")
     assert (column in frames[0]) == filled_in

@@ -160,19 +160,19 @@ def assert_printable(error: InputError) -> None:
     str(error).encode()
 
 
-def assert_same(one: Recording, other: Recording) -> None:
+def assert_same(recording: Recording, other: Recording) -> None:
     for name in ("name", "title", "rig", "created", "metadata"):
-        assert getattr(one, name) == getattr(other, name)
+        assert getattr(recording, name) == getattr(other, name)
     for kind in ("gravity", "motor", "axis"):
-        tables, others = getattr(one, kind), getattr(other, kind)
+        tables, others = getattr(recording, kind), getattr(other, kind)
         for part, table in vars(tables).items() if tables else ():
             again = getattr(others, part)
             if isinstance(table, pd.DataFrame):
                 pd.testing.assert_frame_equal(table, again, rtol=0, atol=1e-8)
             else:  # a joint of an axis: nothing is parted before it is fitted
                 assert table == again
-    if one.steady is not None:
-        pd.testing.assert_frame_equal(one.steady, other.steady)
+    if recording.steady is not None:
+        pd.testing.assert_frame_equal(recording.steady, other.steady)
 
 
 @fuzz(1)

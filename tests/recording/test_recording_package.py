@@ -49,9 +49,9 @@ def with_value(dotted: str, value: Any) -> str:
 def test_json_that_does_not_parse(
     tmp_path: Path, text: str | bytes, row: int, column: str, value: str, rule: str
 ) -> None:
-    (found,) = faults_of_json(tmp_path, text)
-    assert found[:3] == (row, column, value)
-    assert rule in found[3]
+    (fault,) = faults_of_json(tmp_path, text)
+    assert fault[:3] == (row, column, value)
+    assert rule in fault[3]
 
 
 POSITIVE = (
@@ -69,27 +69,27 @@ POSITIVE = (
 @pytest.mark.parametrize("key", POSITIVE)
 @pytest.mark.parametrize("value", [0, -0.1, "0.01", True, [1], {}, HUGE])
 def test_constant_that_is_no_positive_number(tmp_path: Path, key: str, value: Any) -> None:
-    (found,) = faults_of_json(tmp_path, with_value(f"rig.{key}", value))
+    (fault,) = faults_of_json(tmp_path, with_value(f"rig.{key}", value))
     shown = value if isinstance(value, str) else json.dumps(value)
-    assert found[1:3] == (f"rig.{key}", shown)
-    assert found[3] in ("a number", "a number above 0")
+    assert fault[1:3] == (f"rig.{key}", shown)
+    assert fault[3] in ("a number", "a number above 0")
 
 
 @pytest.mark.parametrize("value", [-0.1, "0.01", True, HUGE])
 def test_gravity_is_no_number_below_zero(tmp_path: Path, value: Any) -> None:
     """None may act: whether a table can be without it is asked where that is read."""
-    (found,) = faults_of_json(tmp_path, with_value("rig.gravity_m_s2", value))
-    assert found[1] == "rig.gravity_m_s2"
-    assert found[3] in ("a number", "a number of at least 0")
+    (fault,) = faults_of_json(tmp_path, with_value("rig.gravity_m_s2", value))
+    assert fault[1] == "rig.gravity_m_s2"
+    assert fault[3] in ("a number", "a number of at least 0")
 
 
 @pytest.mark.parametrize("literal", ["NaN", "Infinity", "-Infinity", "1e999"])
 @pytest.mark.parametrize("key", ["rig.hall_spacing_m", "simulation", "unknown"])
 def test_number_that_is_not_finite(tmp_path: Path, literal: str, key: str) -> None:
     text = with_value(key, "@").replace('"@"', literal)
-    (found,) = faults_of_json(tmp_path, text)
+    (fault,) = faults_of_json(tmp_path, text)
     value = "Infinity" if literal == "1e999" else literal
-    assert found[1:] == (key, value, "a finite number")
+    assert fault[1:] == (key, value, "a finite number")
 
 
 @pytest.mark.parametrize(
@@ -120,10 +120,10 @@ def test_number_that_is_not_finite(tmp_path: Path, literal: str, key: str) -> No
     ],
 )
 def test_wrong_value(tmp_path: Path, key: str, value: Any, rule: str) -> None:
-    found = faults_of_json(tmp_path, with_value(key, value))[0]
+    fault = faults_of_json(tmp_path, with_value(key, value))[0]
     shown = value if isinstance(value, str) else json.dumps(value)
-    assert found[1:3] == (key.replace(".0", "[0]"), shown)
-    assert rule in found[3]
+    assert fault[1:3] == (key.replace(".0", "[0]"), shown)
+    assert rule in fault[3]
 
 
 @pytest.mark.parametrize(
@@ -142,24 +142,24 @@ def test_wrong_value(tmp_path: Path, key: str, value: Any, rule: str) -> None:
     ],
 )
 def test_wrong_limit(tmp_path: Path, key: str, value: Any, column: str) -> None:
-    (found,) = faults_of_json(tmp_path, with_value(f"rig.limits.{key}", value))
-    assert found[1] == f"rig.limits.{column}"
+    (fault,) = faults_of_json(tmp_path, with_value(f"rig.limits.{key}", value))
+    assert fault[1] == f"rig.limits.{column}"
 
 
 @pytest.mark.parametrize("key", ["name", "title", "resources"])
 def test_missing_key(tmp_path: Path, key: str) -> None:
     package = Mini().keep(STEADY).package
     del package[key]
-    (found,) = faults_of_json(tmp_path, json.dumps(package))
-    assert found[:3] == (None, key, None)
+    (fault,) = faults_of_json(tmp_path, json.dumps(package))
+    assert fault[:3] == (None, key, None)
 
 
 @pytest.mark.parametrize("key", ["name", "path"])
 def test_missing_key_of_a_resource(tmp_path: Path, key: str) -> None:
     package = Mini().keep(STEADY).package
     del package["resources"][0][key]
-    (found,) = faults_of_json(tmp_path, json.dumps(package))
-    assert found[1:3] == (f"resources[0].{key}", None)
+    (fault,) = faults_of_json(tmp_path, json.dumps(package))
+    assert fault[1:3] == (f"resources[0].{key}", None)
 
 
 def test_resources_that_repeat(tmp_path: Path) -> None:
@@ -168,7 +168,7 @@ def test_resources_that_repeat(tmp_path: Path) -> None:
         {"name": "steady-friction", "path": "other.csv"},
         {"name": "again", "path": STEADY},
     ]
-    assert [found[1:3] for found in faults_of_json(tmp_path, json.dumps(package))] == [
+    assert [fault[1:3] for fault in faults_of_json(tmp_path, json.dumps(package))] == [
         ("resources[1].name", "steady-friction"),
         ("resources[1].path", "other.csv"),
         ("resources[2].path", STEADY),
@@ -177,22 +177,22 @@ def test_resources_that_repeat(tmp_path: Path) -> None:
 
 def test_key_without_a_name_can_be_told(tmp_path: Path) -> None:
     text = json.dumps(Mini().keep(STEADY).package)[:-1] + ', "": NaN}'
-    (found,) = faults_of_json(tmp_path, text)
-    assert found[1:3] == ('""', "NaN")
+    (fault,) = faults_of_json(tmp_path, text)
+    assert fault[1:3] == ('""', "NaN")
 
 
 def test_key_that_repeats(tmp_path: Path) -> None:
     text = json.dumps(Mini().keep(STEADY).package)[:-1] + ', "rig": {}}'
-    (found,) = faults_of_json(tmp_path, text)
-    assert found[1:3] == ("rig", "rig")
-    assert "once only" in found[3]
+    (fault,) = faults_of_json(tmp_path, text)
+    assert fault[1:3] == ("rig", "rig")
+    assert "once only" in fault[3]
 
 
 @pytest.mark.parametrize("where", ["name", "simulation", "unknown"])
 def test_text_that_is_not_unicode(tmp_path: Path, where: str) -> None:
     """JSON may escape half a surrogate pair, which nothing could print or write."""
-    (found,) = faults_of_json(tmp_path, with_value(where, "\ud800"))
-    assert found[1:] == (where, "\\ud800", "Unicode text")
+    (fault,) = faults_of_json(tmp_path, with_value(where, "\ud800"))
+    assert fault[1:] == (where, "\\ud800", "Unicode text")
 
 
 def test_all_faults_of_the_json_together(tmp_path: Path) -> None:
@@ -200,8 +200,8 @@ def test_all_faults_of_the_json_together(tmp_path: Path) -> None:
     package["created"] = "now"
     package["rig"] |= {"gravity_m_s2": "g", "rotary": "no", "limits": {"travel_m": 3}}
     package["resources"].append({"name": 4, "path": "../x"})
-    found = faults_of_json(tmp_path, json.dumps(package))
-    assert [place[1] for place in found] == [
+    faults = faults_of_json(tmp_path, json.dumps(package))
+    assert [place[1] for place in faults] == [
         "created",
         "rig.gravity_m_s2",
         "rig.limits.travel_m",

@@ -65,13 +65,13 @@ def test_columns_come_in_the_order_of_the_format(tmp_path: Path) -> None:
     mini = Mini()
     mini.rows[TRIALS] = [cells[::-1] for cells in mini.rows[TRIALS]]
     (tmp_path / "reversed").mkdir()
-    one = read(mini, tmp_path / "reversed").gravity
+    gravity = read(mini, tmp_path / "reversed").gravity
     other = read(Mini(), tmp_path / "straight").gravity
-    assert one is not None
+    assert gravity is not None
     assert other is not None
     empty = "wrap_angles_deg"  # from top to bottom, which counts as left out
     expected = [name for name in Mini().rows[TRIALS][0] if name != empty]
-    assert list(one.trials.columns) == list(other.trials.columns) == expected
+    assert list(gravity.trials.columns) == list(other.trials.columns) == expected
 
 
 @pytest.mark.parametrize("file", [TRIALS, "motor_runs.csv"])

@@ -312,10 +312,10 @@ def test_unspoilt_recording_has_no_fault(tmp_path: Path) -> None:
 def test_gravity_may_be_none_for_a_joint_and_not_for_masses_on_a_cable(tmp_path: Path) -> None:
     mini = Mini()
     mini.package["rig"]["gravity_m_s2"] = 0
-    told = [
+    faults = [
         fault for fault in faults_of(mini.write(tmp_path)) if fault.column == "rig.gravity_m_s2"
     ]
-    assert [fault.expected for fault in told] == [
+    assert [fault.expected for fault in faults] == [
         "a number above 0, because of gravity_trials.csv",
         "a number above 0, because of motor_runs.csv",
     ]
@@ -336,7 +336,7 @@ def test_all_faults_are_reported_together(tmp_path: Path, file: str) -> None:
     mini.set("motor_runs.csv", 2, "velocity_m_s", "0").drop("motor_idle.csv", "current_a")
     mini.set("steady_friction.csv", 3, "friction_sd_n", "0")
     mini.set("axis_runs.csv", 2, "order", "0").set("axis_samples.csv", 2, "run", "r7")
-    found = places(faults_of(mini.write(tmp_path)))
+    faulty = places(faults_of(mini.write(tmp_path)))
     expected = [
         (PACKAGE, None, "created", "yesterday"),
         (PACKAGE, None, "rig.gravity_m_s2", "-1"),
@@ -350,7 +350,7 @@ def test_all_faults_are_reported_together(tmp_path: Path, file: str) -> None:
         ("axis_runs.csv", 2, "order", "0"),
         ("axis_samples.csv", 2, "run", "r7"),
     ]
-    assert found == expected
+    assert faulty == expected
     # A table that cannot be parsed at all takes nothing else with it, and the tables
     # that refer to it are not blamed for it.
     folder = write_files(tmp_path, {file: b"\xff"})

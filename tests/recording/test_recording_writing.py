@@ -15,20 +15,24 @@ from bayesfric.recording import Gravity, Recording, RigConstants, read_recording
 
 
 def frames(recording: Recording) -> dict[str, pd.DataFrame]:
-    found: dict[str, Any] = {"steady": recording.steady}
+    frames_by_name: dict[str, Any] = {"steady": recording.steady}
     for kind in ("gravity", "motor", "axis"):
         tables = getattr(recording, kind)
-        found |= {f"{kind}.{k}": v for k, v in vars(tables).items()} if tables else {}
+        frames_by_name |= {f"{kind}.{k}": v for k, v in vars(tables).items()} if tables else {}
     if recording.axis is not None:
-        found |= {f"axis.others.{joint}": of for joint, of in recording.axis.others.items()}
-    return {name: frame for name, frame in found.items() if isinstance(frame, pd.DataFrame)}
+        frames_by_name |= {
+            f"axis.others.{joint}": of for joint, of in recording.axis.others.items()
+        }
+    return {
+        name: frame for name, frame in frames_by_name.items() if isinstance(frame, pd.DataFrame)
+    }
 
 
-def assert_same(one: Recording, other: Recording) -> None:
+def assert_same(recording: Recording, other: Recording) -> None:
     for name in ("name", "title", "rig", "created", "metadata"):
-        assert getattr(one, name) == getattr(other, name)
-    assert frames(one).keys() == frames(other).keys()
-    for name, frame in frames(one).items():
+        assert getattr(recording, name) == getattr(other, name)
+    assert frames(recording).keys() == frames(other).keys()
+    for name, frame in frames(recording).items():
         pd.testing.assert_frame_equal(frame, frames(other)[name], check_exact=True)
 
 
@@ -60,11 +64,11 @@ def gravity_recording(spacing: float, clock: float, time: np.ndarray[Any, Any]) 
 def test_round_trip_of_all_kinds(tmp_path: Path) -> None:
     mini = Mini()
     mini.package["simulation"] = {"seed": 2**100, "effects": {"viscous": 1.0}}
-    one = read_recording(mini.write(tmp_path / "by hand"))
-    write_recording(one, tmp_path / "a")
+    recording = read_recording(mini.write(tmp_path / "by hand"))
+    write_recording(recording, tmp_path / "a")
     other = read_recording(tmp_path / "a")
-    assert_same(one, other)
-    assert other.notes == one.notes
+    assert_same(recording, other)
+    assert other.notes == recording.notes
     write_recording(other, tmp_path / "b")
     names = sorted(path.name for path in (tmp_path / "a").iterdir())
     assert names == sorted(["datapackage.json", *mini.rows])
@@ -75,9 +79,9 @@ def test_round_trip_of_all_kinds(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("file", list(Mini().rows))
 def test_round_trip_of_each_kind_alone(tmp_path: Path, file: str) -> None:
-    one = read_recording(Mini().kind(file).write(tmp_path / "by hand"))
-    write_recording(one, tmp_path / "a")
-    assert_same(one, read_recording(tmp_path / "a"))
+    recording = read_recording(Mini().kind(file).write(tmp_path / "by hand"))
+    write_recording(recording, tmp_path / "a")
+    assert_same(recording, read_recording(tmp_path / "a"))
 
 
 @pytest.mark.parametrize("spacing", [0.0098, 0.01, 1.0, np.pi / 320, 1 / 3, 1.2e-5])
@@ -86,17 +90,17 @@ def test_any_spacing_and_clock(tmp_path: Path, spacing: float, clock: float) -> 
     # Longer for a wider spacing, so that weights can drive the motion.
     duration = 0.4 * np.sqrt(spacing / 0.0098)
     ticks = np.rint(np.array([25, 9000, 15000, 20000, 24000, 27000]) * duration / 27000 / clock)
-    one = gravity_recording(spacing, clock, ticks * clock)
-    write_recording(one, tmp_path / "a")
+    recording = gravity_recording(spacing, clock, ticks * clock)
+    write_recording(recording, tmp_path / "a")
     other = read_recording(tmp_path / "a")
     for name, tolerance in (("displacement_m", 0.0), ("time_s", 1e-14)):
         np.testing.assert_allclose(
             frames(other)["gravity.events"][name],
-            frames(one)["gravity.events"][name],
+            frames(recording)["gravity.events"][name],
             rtol=tolerance,
         )
     pd.testing.assert_frame_equal(
-        frames(one)["gravity.trials"], frames(other)["gravity.trials"], check_exact=True
+        frames(recording)["gravity.trials"], frames(other)["gravity.trials"], check_exact=True
     )
 
 
@@ -130,9 +134,9 @@ def test_keys_that_were_absent_stay_absent(tmp_path: Path) -> None:
 
 def test_times_finer_than_the_clock_keep_their_digits(tmp_path: Path) -> None:
     times = np.array([0.1, 0.2, 0.3, 0.4, 0.5]) + 1.23e-7
-    one = gravity_recording(0.0098, 4e-6, times)
-    write_recording(one, tmp_path / "a")
-    assert_same(one, read_recording(tmp_path / "a"))
+    recording = gravity_recording(0.0098, 4e-6, times)
+    write_recording(recording, tmp_path / "a")
+    assert_same(recording, read_recording(tmp_path / "a"))
 
 
 def test_units_stand_in_the_table_schema(tmp_path: Path) -> None:
@@ -149,16 +153,16 @@ def test_units_stand_in_the_table_schema(tmp_path: Path) -> None:
 
 
 def test_a_folder_that_is_empty_is_taken(tmp_path: Path) -> None:
-    one = read_recording(Mini().write(tmp_path / "by hand"))
+    recording = read_recording(Mini().write(tmp_path / "by hand"))
     (tmp_path / "a").mkdir()
-    write_recording(one, tmp_path / "a")
-    write_recording(one, tmp_path / "deep" / "down")
+    write_recording(recording, tmp_path / "a")
+    write_recording(recording, tmp_path / "deep" / "down")
     assert_same(read_recording(tmp_path / "a"), read_recording(tmp_path / "deep" / "down"))
 
 
 @pytest.mark.parametrize("kind", ["file", "full"])
 def test_a_folder_that_is_in_use_is_refused(tmp_path: Path, kind: str) -> None:
-    one = read_recording(Mini().write(tmp_path / "by hand"))
+    recording = read_recording(Mini().write(tmp_path / "by hand"))
     target = tmp_path / "target"
     if kind == "file":
         target.write_text("mine")
@@ -166,7 +170,7 @@ def test_a_folder_that_is_in_use_is_refused(tmp_path: Path, kind: str) -> None:
         target.mkdir()
         (target / "mine.txt").write_text("mine")
     with pytest.raises(InputError) as caught:
-        write_recording(one, target)
+        write_recording(recording, target)
     (fault,) = caught.value.faults
     assert fault.file == str(target)
     assert "empty or does not exist" in fault.expected
@@ -175,19 +179,19 @@ def test_a_folder_that_is_in_use_is_refused(tmp_path: Path, kind: str) -> None:
 
 
 def test_nothing_is_written_of_a_recording_that_breaks_a_rule(tmp_path: Path) -> None:
-    one = gravity_recording(0.0098, 4e-6, np.array([0.1, 0.2, 0.2, 0.4, np.nan]))
+    recording = gravity_recording(0.0098, 4e-6, np.array([0.1, 0.2, 0.2, 0.4, np.nan]))
     with pytest.raises(InputError) as caught:
-        write_recording(one, tmp_path / "a")
-    found = [(f.file, f.row, f.column, f.value) for f in caught.value.faults]
+        write_recording(recording, tmp_path / "a")
+    faults = [(f.file, f.row, f.column, f.value) for f in caught.value.faults]
     events = "gravity_events.csv"
-    assert found == [(events, 4, "time_s", "0.2"), (events, 6, "time_s", "")]
+    assert faults == [(events, 4, "time_s", "0.2"), (events, 6, "time_s", "")]
     assert list(tmp_path.iterdir()) == []
 
 
 def test_nothing_is_left_of_a_write_that_fails(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    one = read_recording(Mini().write(tmp_path / "by hand"))
+    recording = read_recording(Mini().write(tmp_path / "by hand"))
     write = Path.write_bytes
 
     def full(path: Path, data: bytes) -> int:
@@ -197,15 +201,15 @@ def test_nothing_is_left_of_a_write_that_fails(
 
     monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(InputError, match="No space left on device"):
-        write_recording(one, tmp_path / "a")
+        write_recording(recording, tmp_path / "a")
     assert [path.name for path in tmp_path.iterdir()] == ["by hand"]
 
 
 def test_column_that_the_format_does_not_know_is_a_programming_error(tmp_path: Path) -> None:
-    one = read_recording(Mini().write(tmp_path / "by hand"))
-    assert one.gravity is not None
-    trials = one.gravity.trials.assign(colour="red")
-    gravity = dataclasses.replace(one.gravity, trials=trials)
+    recording = read_recording(Mini().write(tmp_path / "by hand"))
+    assert recording.gravity is not None
+    trials = recording.gravity.trials.assign(colour="red")
+    gravity = dataclasses.replace(recording.gravity, trials=trials)
     with pytest.raises(ValueError, match=r"gravity_trials\.csv has no column colour") as caught:
-        write_recording(dataclasses.replace(one, gravity=gravity), tmp_path / "a")
+        write_recording(dataclasses.replace(recording, gravity=gravity), tmp_path / "a")
     assert not isinstance(caught.value, InputError)

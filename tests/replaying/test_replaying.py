@@ -70,15 +70,15 @@ def test_right_values_in_the_place_of_wrong_ones_are_promoted(better):
 
 def test_values_that_are_hardly_others_are_not_promoted():
     near = Hinge(TRUTH.frictionloss * 1.002, TRUTH.damping * 0.998, TRUTH.armature * 1.01)
-    found = replayed_hinge(TRUTH, near)
-    assert not found.promoted
-    assert "Not promoted: the 90 % interval does not show" in found.sentence
+    replayed_log = replayed_hinge(TRUTH, near)
+    assert not replayed_log.promoted
+    assert "Not promoted: the 90 % interval does not show" in replayed_log.sentence
 
 
 def test_wrong_values_in_the_place_of_right_ones_are_not_promoted():
-    found = replayed_hinge(TRUTH, WRONG)
-    assert not found.promoted
-    assert found.torque.difference.q05 > 0.1
+    replayed_log = replayed_hinge(TRUTH, WRONG)
+    assert not replayed_log.promoted
+    assert replayed_log.torque.difference.q05 > 0.1
 
 
 def test_torques_are_those_of_the_law():
@@ -87,14 +87,14 @@ def test_torques_are_those_of_the_law():
     q, v, a = (np.array([[0.0], [0.0]]), np.array([[1.0], [-2.0]]), np.array([[3.0], [0.0]]))
     motion = Motion(0.004, q, v, a, np.zeros((2, 1)))
     joint = JointSettings(0.6, 0.05, (0.3, 0.02, 0.0))
-    found = inverse_torques(robot, [joint], motion)
+    torques = inverse_torques(robot, [joint], motion)
     inertia = mujoco.MjModel.from_xml_string(WRONG.model()).body_inertia[1][1] + 1.2 * 0.15**2
     weight = -1.2 * 9.81 * 0.15
     expected = [
         (inertia + 0.05) * 3 + 0.3 + 0.02 + 0.6 + weight,
         -(0.3 * 2 + 0.02 * 4 + 0.6) + weight,
     ]
-    assert found[:, 0] == pytest.approx(expected, rel=0.01)
+    assert torques[:, 0] == pytest.approx(expected, rel=0.01)
 
 
 def test_stops_and_contacts_of_the_model_do_not_act():
@@ -109,10 +109,10 @@ def test_stops_and_contacts_of_the_model_do_not_act():
     q, v, a = np.full((12, 1), 0.4), np.full((12, 1), 1.0), np.full((12, 1), 2.0)
     motion = Motion(0.004, q, v, a, np.full((12, 1), 3.0))
     joint = JointSettings(0.6, 0.05)
-    found, expected = (inverse_torques(robot, [joint], motion) for robot in (held, free))
-    assert found == pytest.approx(expected, rel=1e-9)
-    found, expected = (replayed(robot, [joint], motion, [0], 10) for robot in (held, free))
-    assert found == pytest.approx(expected, rel=1e-9)
+    computed, expected = (inverse_torques(robot, [joint], motion) for robot in (held, free))
+    assert computed == pytest.approx(expected, rel=1e-9)
+    computed, expected = (replayed(robot, [joint], motion, [0], 10) for robot in (held, free))
+    assert computed == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_spring_pulls_to_where_it_is_at_rest():
@@ -223,9 +223,9 @@ def test_a_diagnosis_with_replay_says_whether_its_numbers_are_better(tmp_path, o
         app, ["diagnose", str(tmp_path / "hinge"), "-o", str(tmp_path / "out"), "--replay"]
     )
     assert done.exit_code == 0, done.output
-    found = read_json(DiagnosisFile, tmp_path / "out" / "diagnosis.json")
-    assert found.replay.promoted == (own is WRONG)
-    assert found.replay.sentence in done.stdout
+    stored = read_json(DiagnosisFile, tmp_path / "out" / "diagnosis.json")
+    assert stored.replay.promoted == (own is WRONG)
+    assert stored.replay.sentence in done.stdout
 
 
 @pytest.mark.nightly
@@ -235,8 +235,8 @@ def test_of_twelve_hinges_those_with_wrong_values_are_promoted_and_no_other():
         own = truth if seed % 2 else WRONG
         log = recording(truth, seed, own=own, seconds=36.0)
         seen, late, what = held_out_parts(log)
-        found = with_replay(bf.diagnose(seen), late, what, 1).summary.replay
-        assert found.promoted == (own is WRONG), (seed, found.sentence)
+        replayed_log = with_replay(bf.diagnose(seen), late, what, 1).summary.replay
+        assert replayed_log.promoted == (own is WRONG), (seed, replayed_log.sentence)
 
 
 def test_a_robot_is_named_by_its_own_joint():

@@ -246,7 +246,7 @@ def curves(causes: tuple[str, ...] = ("viscous",), trajectories: bool = True) ->
 
 def stored_diagnosis(**changes: object) -> StoredDiagnosis:
     record = diagnosis(**changes)
-    names = tuple(one.effect for one in record.causes)
+    names = tuple(named.effect for named in record.causes)
     return StoredDiagnosis(record, curves(names, record.gap.trajectory is not None))
 
 
@@ -262,7 +262,7 @@ def without_gap() -> StoredDiagnosis:
         "shrink": None,
         "shrink_why": "P(before > floor) is 0.61, below 0.95",
     }
-    rows = tuple(one.model_copy(update=same) for one in record.gap.held_out)
+    rows = tuple(gap_row.model_copy(update=same) for gap_row in record.gap.held_out)
     gap = record.gap.model_copy(
         update=same
         | {
@@ -325,7 +325,7 @@ def figures(stored):
 
 def two_causes():
     """Much of everything: a long sentence, two causes of long names, many axes."""
-    many = tuple(axis(f"covariate_{k}", "m", 0.02) for k in range(8))
+    further = tuple(axis(f"covariate_{k}", "m", 0.02) for k in range(8))
     return stored_diagnosis(
         sentence="Friction grows with the speed of the cable (viscous) and more than in proportion "
         "to the number of pulleys (pulley-count-curvature), with probability 0.93; adding both "
@@ -337,7 +337,7 @@ def two_causes():
             cause("viscous"),
             cause("pulley-count-curvature", plausible=False, below_floor=True),
         ),
-        where=diagnosis().where + many,
+        where=diagnosis().where + further,
     )
 
 

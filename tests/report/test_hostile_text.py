@@ -70,8 +70,8 @@ def test_html_has_no_element_or_attribute_more() -> None:
     assert page.open == []
     assert structure(page) == structure(plain)
     assert hostile[hostile.rindex("<script>") :] == harmless[harmless.rindex("<script>") :]
-    for one, other in zip(page.elements, plain.elements, strict=True):
-        differs = {key for key in one[1] if one[1][key] != other[1][key]}
+    for element, other in zip(page.elements, plain.elements, strict=True):
+        differs = {key for key in element[1] if element[1][key] != other[1][key]}
         assert differs <= {"alt", "content"}
     hostile.encode("utf-8")
     assert unseen(hostile) == set()

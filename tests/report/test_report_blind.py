@@ -84,7 +84,7 @@ def test_every_rate_and_smallest_strength_is_told(blocks, card):
     assert rates["correct verdicts"][2] == "28 of 32"
     assert rates["correct, kind none"][2] == "9 of 10"
     assert rates["named, strength/form 0.3/foreign"][2] == "0 of 2"
-    said = " ".join(words(one.text) for one in blocks if isinstance(one, Paragraph))
+    said = " ".join(words(block.text) for block in blocks if isinstance(block, Paragraph))
     assert "at which an effect is named in 80\u202f% of its cases" in said
     assert "viscous 1 (1 to above all tried). 0 of 1 effects reach 80\u202f% at no" in said
     (panel,) = named_by_strength(card.smallest_detected).axes
@@ -96,14 +96,14 @@ def test_every_rate_and_smallest_strength_is_told(blocks, card):
 def test_effects_that_were_tried_once_have_no_smallest_strength(card):
     once = Rate(hits=1, cases=1, rate=1.0, low=0.1, high=1.0)
     few = {
-        name: one.model_copy(update={"tried": {"1": once}})
-        for name, one in card.smallest_detected.items()
+        name: smallest.model_copy(update={"tried": {"1": once}})
+        for name, smallest in card.smallest_detected.items()
     }
     chapter = list(blind_chapter(card.model_copy(update={"smallest_detected": few})))
-    said = " ".join(words(one.text) for one in chapter if isinstance(one, Paragraph))
+    said = " ".join(words(block.text) for block in chapter if isinstance(block, Paragraph))
     assert "No effect was tried more than once at one strength" in said
     assert "Named at all: viscous. Never named: none." in said
-    assert not any(isinstance(one, Figure) and one.label == "smallest" for one in chapter)
+    assert not any(isinstance(block, Figure) and block.label == "smallest" for block in chapter)
     assert "weakest strength" not in said
 
 
@@ -153,7 +153,7 @@ def test_an_effect_that_never_made_a_gap_is_not_told_as_missed():
     card = card.model_copy(update={"cases": (*card.cases, alike)})
     both = {"slip": missed, "runout": missed, "length-scale": tried}
     chapter = blind_chapter(card.model_copy(update={"smallest_detected": both}))
-    said = " ".join(words(one.text) for one in chapter if isinstance(one, Paragraph))
+    said = " ".join(words(block.text) for block in chapter if isinstance(block, Paragraph))
     assert "Never named: runout. The gap was negligible in every case with: slip." in said
 
 
@@ -161,9 +161,9 @@ def test_no_rate_of_a_few_cases_is_drawn(card):
     """One case has an interval from 0 to 97.5 %: there is nothing to see, nor is in one row."""
     few = blind_chapter(card_of([scored(probability=0.9)] * 9))
     assert "scorecard" not in [block.label for block in few if isinstance(block, Figure)]
-    one = card_of([scored(probability=0.9)] * 10)
-    assert 0 < len(drawn_promises(one)) < 3 <= len(drawn_promises(card))
-    assert "scorecard" not in [b.label for b in blind_chapter(one) if isinstance(b, Figure)]
+    few_cases = card_of([scored(probability=0.9)] * 10)
+    assert 0 < len(drawn_promises(few_cases)) < 3 <= len(drawn_promises(card))
+    assert "scorecard" not in [b.label for b in blind_chapter(few_cases) if isinstance(b, Figure)]
     enough = blind_chapter(card)
     assert "scorecard" in [block.label for block in enough if isinstance(block, Figure)]
 
@@ -176,8 +176,8 @@ def test_a_few_cases_stand_in_a_table_and_not_in_a_matrix():
         "010000": ["nothing", "no-gap", "0.90", "yes"],
         "010001": ["viscous (1)", "named: runout", "0.970", "no"],
     }
-    many = list(blind_chapter(card_of([scored()] * 10)))
-    assert "confusion" in [block.label for block in many if isinstance(block, Figure)]
+    with_matrix = list(blind_chapter(card_of([scored()] * 10)))
+    assert "confusion" in [block.label for block in with_matrix if isinstance(block, Figure)]
 
 
 def test_rates_are_drawn_where_they_are(card):

@@ -42,8 +42,8 @@ def document(stored):
 
 def table(document, label):
     blocks = getattr(document, "every_block", document.blocks)
-    (found,) = [b for b in blocks if isinstance(b, Table) and b.label == label]
-    return found
+    (labelled,) = [b for b in blocks if isinstance(b, Table) and b.label == label]
+    return labelled
 
 
 def chapter(blocks):
@@ -99,17 +99,19 @@ def test_sensitivity_is_that_of_the_fit(document, stored):
 
 
 def test_what_is_left_out_has_the_numbers_of_the_fit(stored):
-    one, two = stored.fit.prediction
-    bad = one.model_copy(update={"bad": 3, "refitted": 2, "elpd_se": None, "elpd_se_why": "one"})
-    rows = table(chapter(left_out(changed(stored, prediction=(bad, two)))), "elpd").rows
+    by_trial, by_setup = stored.fit.prediction
+    bad = by_trial.model_copy(
+        update={"bad": 3, "refitted": 2, "elpd_se": None, "elpd_se_why": "one"}
+    )
+    rows = table(chapter(left_out(changed(stored, prediction=(bad, by_setup)))), "elpd").rows
     assert [row[0] for row in rows] == [
         "trial of the gravity board",
         "assembly of the gravity board",
     ]
-    assert rows[0][1:] == ["48", f"{one.elpd:.1f}", "—", "3", "2"]
-    place = 1 - int(np.floor(np.log10(two.elpd_se)))  # of the second digit of the error
+    assert rows[0][1:] == ["48", f"{by_trial.elpd:.1f}", "—", "3", "2"]
+    place = 1 - int(np.floor(np.log10(by_setup.elpd_se)))  # of the second digit of the error
     assert rows[1][1] == "12"
-    assert float(rows[1][2]) == pytest.approx(round(two.elpd, place))
+    assert float(rows[1][2]) == pytest.approx(round(by_setup.elpd, place))
 
 
 def test_a_far_assembly_is_named_beside_its_chance(stored):
@@ -120,7 +122,7 @@ def test_a_far_assembly_is_named_beside_its_chance(stored):
     )
     said = [str(block) for block in blocks if "12 assemblies" in str(block)]
     assert "s007 3.4 sd below (by chance, 1 recording in 133 has one as far away)" in said[0]
-    (drawn,) = [one for one in blocks if getattr(one, "label", None) == "assemblies"]
+    (drawn,) = [block for block in blocks if getattr(block, "label", None) == "assemblies"]
     assert b"<svg" in drawn.svg
 
 

@@ -49,7 +49,7 @@ def result(name, verdict, log10, **more):
 
 @pytest.fixture
 def stored(small_fit):
-    found = ClaimsFile(
+    claims_file = ClaimsFile(
         **small_fit.summary.model_dump(
             include={"seed", "versions", "recording", "analysis_sha256", "created"}
         ),
@@ -72,7 +72,7 @@ def stored(small_fit):
         {"log10_bayes_factor": (("claim", "width"), [[-2.0, -2.345, -1.5]])},
         coords={"claim": ["linear-in-tension"], "width": [0.1, 1.0, 10.0]},
     )
-    return StoredClaims(found, xr.DataTree.from_dict({"curves": curves}))
+    return StoredClaims(claims_file, xr.DataTree.from_dict({"curves": curves}))
 
 
 def test_page_one_says_which_claims_fell(stored):
@@ -92,8 +92,8 @@ def test_page_one_says_which_claims_fell(stored):
 
 
 def test_claims_that_no_data_can_test_are_told_on_page_one_alone(stored):
-    one = result("rigs-agree", "not-testable", None)
-    untestable = stored.record.model_copy(update={"claims": (one,)})
+    untested = result("rigs-agree", "not-testable", None)
+    untestable = stored.record.model_copy(update={"claims": (untested,)})
     assert fallen(untestable).text.startswith("None of the 1 claims is testable here")
     assert list(claims(StoredClaims(untestable, stored.curves))) == []
 

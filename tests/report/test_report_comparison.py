@@ -24,7 +24,7 @@ def runs(tmp_path):
     content = json.loads(path.read_text())
     flipped = content["claims"][0]
     flipped["verdict"] = "refuted" if flipped["verdict"] != "refuted" else "undecided"
-    moved = next(one for one in content["claims"] if one["log10_bayes_factor_se"])
+    moved = next(claim for claim in content["claims"] if claim["log10_bayes_factor_se"])
     moved["log10_bayes_factor"] += 3 * moved["log10_bayes_factor_se"]
     content["seed"] += 1
     path.write_text(json.dumps(content))

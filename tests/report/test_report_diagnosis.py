@@ -54,9 +54,9 @@ from bayesfric.schemas.gap import HeldOutDensity
 def fit_results(small_fit):
     """The results of a fit, with a diagnosis of the same recording."""
     record = diagnosis(recording=small_fit.summary.recording)
-    found = StoredDiagnosis(record, curves())
+    stored = StoredDiagnosis(record, curves())
     fitted = StoredFit(small_fit.summary, small_fit.draws, small_fit.predictive)
-    return StoredResults(fitted, diagnosis=found)
+    return StoredResults(fitted, diagnosis=stored)
 
 
 @pytest.fixture(scope="module")
@@ -64,9 +64,9 @@ def document(fit_results):
     return build_document(fit_results)
 
 
-def store(found, folder):
-    (folder / "diagnosis.json").write_bytes(json_bytes(found.record))
-    write_netcdf(found.curves, folder / "diagnosis.nc")
+def store(stored, folder):
+    (folder / "diagnosis.json").write_bytes(json_bytes(stored.record))
+    write_netcdf(stored.curves, folder / "diagnosis.nc")
 
 
 def test_the_first_page_tells_all():
@@ -132,19 +132,19 @@ def test_an_open_verdict_names_no_cause_at_a_glance():
 
 
 def test_the_section_has_how_much_better_held_out_data_are_predicted():
-    found = stored_diagnosis().record
+    record = stored_diagnosis().record
     density = HeldOutDensity(difference=1283.9, error=87.7, blocks=6)
-    gap = found.gap.model_copy(update={"held_out_log_density": density})
-    note = words(gap_table(found.model_copy(update={"gap": gap})).note)
+    gap = record.gap.model_copy(update={"held_out_log_density": density})
+    note = words(gap_table(record.model_copy(update={"gap": gap})).note)
     assert "higher by 1284 ± 88 nat with viscous." in note
 
 
 def test_nearly_all_of_a_gap_is_a_bound():
-    found = stored_diagnosis().record
+    record = stored_diagnosis().record
     nearly = interval(0.99986).model_copy(update={"q05": 0.99964, "q95": 1.00011})
-    row = found.gap.held_out[0].model_copy(update={"shrink": nearly})
-    gap = found.gap.model_copy(update={"held_out": (row,)})
-    table = gap_table(found.model_copy(update={"gap": gap}))
+    row = record.gap.held_out[0].model_copy(update={"shrink": nearly})
+    gap = record.gap.model_copy(update={"held_out": (row,)})
+    table = gap_table(record.model_copy(update={"gap": gap}))
     assert words(table.rows[0][-1]) == ">\u00a099.9"
 
 
@@ -157,13 +157,13 @@ def test_the_printed_law_says_which_causes_it_lacks():
 def test_a_named_board_says_which_numbers_to_use():
     """The refit with the cause stands before the law alone, whose coefficients are biased."""
     law = {"c2[small]": LawNumber(unit="N", before=interval(0.0439), after=interval(0.0261))}
-    found = stored_diagnosis().record.model_copy(update={"law": law})
-    table, parameters = numbers_to_use(found)
+    record = stored_diagnosis().record.model_copy(update={"law": law})
+    table, parameters = numbers_to_use(record)
     use, alone = ([words(cell) for cell in row] for row in table.rows)
     assert [use[0], alone[0]] == ["small", "small, law alone"]
     assert table.columns[1] == Column(symbol("c2"), "10⁻³\u202fN")
     assert "1 of 1 is biased by more than 2 combined standard deviations." in words(table.note)
-    number = found.law["c2[small]"]
+    number = record.law["c2[small]"]
     assert 1e-3 * float(use[1].split(" ± ")[0]) == pytest.approx(number.after.q50, rel=0.05)
     assert 1e-3 * float(alone[1].split(" ± ")[0]) == pytest.approx(number.before.q50, rel=0.05)
     said = words(parameters.text)
@@ -187,23 +187,23 @@ def test_a_parameter_means_what_it_means_in_the_variant_that_was_found():
 
 
 def test_sizes_stand_in_their_usual_order():
-    found = stored_diagnosis().record
+    record = stored_diagnosis().record
     number = LawNumber(unit="1", before=interval(0.01), after=interval(0.01))
     law = {f"c1[{size}]": number for size in ("large", "small", "mine", "medium")}
-    table, _ = numbers_to_use(found.model_copy(update={"law": law}))
+    table, _ = numbers_to_use(record.model_copy(update={"law": law}))
     sizes = [words(row[0]) for row in table.rows[:4]]
     assert sizes == ["small", "medium", "large", "mine"]
 
 
 def test_a_named_board_says_what_and_how_much_at_a_glance():
-    told = glance(stored_diagnosis())
-    assert told["Which effect causes it?"] == "viscous (probability 0.987)"
-    assert told["How much of it do these causes remove?"] == (
+    answers = glance(stored_diagnosis())
+    assert answers["Which effect causes it?"] == "viscous (probability 0.987)"
+    assert answers["How much of it do these causes remove?"] == (
         "98.1 [97.4, 98.8]\u202f% of its mean square; "
         "98.1 [97.4, 98.8]\u202f% on held-out data, above scatter"
     )
-    assert told["Where does it lie?"] == "along velocity (share 0.62 [0.57,\u00a00.67])"
-    assert "mass drive 1.85\u202fkg" in told["What to measure next?"]
+    assert answers["Where does it lie?"] == "along velocity (share 0.62 [0.57,\u00a00.67])"
+    assert "mass drive 1.85\u202fkg" in answers["What to measure next?"]
 
 
 def test_a_larger_error_on_held_out_data_stands_beside_the_gap_at_a_glance():
@@ -216,16 +216,16 @@ def test_a_larger_error_on_held_out_data_stands_beside_the_gap_at_a_glance():
 
 @pytest.mark.parametrize(("share", "leads"), [(0.5, False), (0.1, True)])
 def test_the_report_names_no_axis_that_does_not_lead_or_explains_little(share, leads):
-    one = axis("setup", "1", share, leads=leads)
-    stored = stored_diagnosis(where=(one, axis("order", "1", 0.05)))
+    setup = axis("setup", "1", share, leads=leads)
+    stored = stored_diagnosis(where=(setup, axis("order", "1", 0.05)))
     assert glance(stored)["Where does it lie?"].startswith("no single axis dominates; the largest")
 
 
 def test_a_share_that_held_out_residuals_do_not_show_says_so():
     order = axis("order", "1", 0.6, leads=True)
-    one, other = (order.model_copy(update={"p_value": p}) for p in (0.17, 0.01))
+    hidden, other = (order.model_copy(update={"p_value": p}) for p in (0.17, 0.01))
     said = [
-        glance(stored_diagnosis(where=(order,)))["Where does it lie?"] for order in (one, other)
+        glance(stored_diagnosis(where=(order,)))["Where does it lie?"] for order in (hidden, other)
     ]
     assert "not significant in held-out residuals alone (adjusted p 0.17)" in said[0]
     assert "residuals alone" not in said[1]
@@ -253,10 +253,10 @@ def test_an_undecided_board_says_what_may_act():
     said = words(verdict_line(stored.record).text)
     assert "What may act: viscous (0.62). Measure next: size medium" in said
     assert "which separates viscous" in said
-    told = glance(stored)
-    assert told["Which effect causes it?"] == "open: none is probable enough to be named"
-    assert told["What may act?"] == "viscous (0.62)"
-    assert told["What acts, but makes a negligible gap?"] == "slip (0.970)"
+    answers = glance(stored)
+    assert answers["Which effect causes it?"] == "open: none is probable enough to be named"
+    assert answers["What may act?"] == "viscous (0.62)"
+    assert answers["What acts, but makes a negligible gap?"] == "slip (0.970)"
     assert verdict_line(stored.record).kind == "attention"
     assert "the longest is slip at 0.970" in figures(stored)["which"].alt
     assert render_pdf(build_document(StoredResults(diagnosis=stored))).startswith(b"%PDF")
@@ -277,8 +277,8 @@ def test_a_gap_about_as_large_as_what_counts_asks_for_more_assemblies():
 
 
 def test_an_unknown_board_says_that_no_effect_makes_it():
-    told = glance(stored_diagnosis(verdict="unknown", causes=()))
-    assert told["Which effect causes it?"] == "a force that no effect of the list explains"
+    answers = glance(stored_diagnosis(verdict="unknown", causes=()))
+    assert answers["Which effect causes it?"] == "a force that no effect of the list explains"
 
 
 @pytest.mark.parametrize(
@@ -355,9 +355,9 @@ def test_a_diagnosis_alone_has_its_report(tmp_path):
 def test_margins_stand_beside_a_diagnosis_without_a_fit(tmp_path):
     draws = write_draws(tmp_path / "draws")
     computed = compute_margins([loop()], draws)
-    found = diagnosis(recording=computed.summary.recording)
+    record = diagnosis(recording=computed.summary.recording)
     computed.write(tmp_path)
-    store(StoredDiagnosis(found, curves()), tmp_path)
+    store(StoredDiagnosis(record, curves()), tmp_path)
     write_report(tmp_path)
     html = (tmp_path / "report.html").read_text("utf-8")
     assert "Controller margins" in html
@@ -366,17 +366,17 @@ def test_margins_stand_beside_a_diagnosis_without_a_fit(tmp_path):
 
 
 def test_a_box_is_green_only_where_nothing_it_covers_is_open():
-    found = without_gap().record
-    gap = found.gap
-    limit = found.practical_share * gap.friction_rms
+    record = without_gap().record
+    gap = record.gap
+    limit = record.practical_share * gap.friction_rms
 
     def kind(systematic, significant=False, causes=()):
         changes = {
             "causes": causes,
             "gap": gap.model_copy(update={"systematic": interval(systematic)}),
-            "remainder": found.remainder.model_copy(update={"significant": significant}),
+            "remainder": record.remainder.model_copy(update={"significant": significant}),
         }
-        return verdict_line(found.model_copy(update=changes)).kind
+        return verdict_line(record.model_copy(update=changes)).kind
 
     assert kind(0.5 * limit) == "good"
     assert kind(1.5 * limit) == "info"
@@ -394,9 +394,9 @@ def test_settings_that_a_diagnosis_does_not_follow_are_told_first():
 
 def test_each_joint_has_its_verdict_and_numbers_that_hold_are_said_to_be_confirmed():
     number = entered("coulomb", 0.612, 0.02)
-    found = without_gap().record.model_copy(update={"enter": (number,), "attention": ()})
+    record = without_gap().record.model_copy(update={"enter": (number,), "attention": ()})
     arms = [
-        found.model_copy(update={"joint": name, "sentence": f"Of {name}."})
+        record.model_copy(update={"joint": name, "sentence": f"Of {name}."})
         for name in ("shoulder", "elbow")
     ]
     both = "No gap at shoulder and elbow. At shoulder: the sentence of that joint."

@@ -28,10 +28,10 @@ from bayesfric.schemas.diagnosis import ConditionAsked, FrictionAsked
 
 def test_probabilities_are_the_stored_ones_most_probable_first():
     table = tables(stored_diagnosis())["hypotheses"]
-    found = [[words(cell) for cell in row] for row in table.rows]
-    assert found[0] == ["viscous", "0.971", "0.975", "0.961"]
-    assert found[1][:2] == ["viscous+stribeck", "0.009"]
-    assert found[-1] == ["none", "<\u00a00.001", "<\u00a00.001", "0.001"]
+    cells = [[words(cell) for cell in row] for row in table.rows]
+    assert cells[0] == ["viscous", "0.971", "0.975", "0.961"]
+    assert cells[1][:2] == ["viscous+stribeck", "0.009"]
+    assert cells[-1] == ["none", "<\u00a00.001", "<\u00a00.001", "0.001"]
     assert [words(column.title) for column in table.head][2:] == ["none at 0.1", "none at 0.9"]
     assert "none 0.5, one 0.3, two 0.08" in words(table.note)
     assert "0.002 at most" in words(table.note)
@@ -82,17 +82,17 @@ def test_an_implausible_cause_below_the_floor_says_both():
 
 def test_axes_have_their_shares_and_blind_ones_say_so():
     stored = stored_diagnosis()
-    found = rows(stored, "axes")
-    assert found["velocity [m/s]"] == [
+    axes = rows(stored, "axes")
+    assert axes["velocity [m/s]"] == [
         "0.62 [0.57,\u00a00.67]",
         "0.74 [0.68,\u00a00.81]",
         "<\u00a00.001",
         "",
     ]
-    assert found["displacement [m]"][-1] == "tension"
-    assert found["setup"][0] == "0.00 [0.00,\u00a00.00]"
-    assert found["none of these"][0] == "0.05 [0.05,\u00a00.06]"
-    assert found["wrap angle [°]"] == ["—", "—", "—", "the covariate did not vary"]
+    assert axes["displacement [m]"][-1] == "tension"
+    assert axes["setup"][0] == "0.00 [0.00,\u00a00.00]"
+    assert axes["none of these"][0] == "0.05 [0.05,\u00a00.06]"
+    assert axes["wrap angle [°]"] == ["—", "—", "—", "the covariate did not vary"]
     figure = figures(stored)["where"]
     for text in (paragraphs(stored).lower(), figure.alt):
         assert "did not vary" in text
@@ -110,19 +110,19 @@ def test_all_blind_axes_are_no_failure():
 
 
 def test_gap_table_is_in_newtons_row_by_row():
-    found = rows(stored_diagnosis(), "gap")
-    assert found["cross-validation over assemblies"] == [
+    gaps = rows(stored_diagnosis(), "gap")
+    assert gaps["cross-validation over assemblies"] == [
         "0.095 [0.087,\u00a00.103]",
         "0.0523 [0.0480,\u00a00.0566]",
         "0.0187 [0.0172,\u00a00.0202]",
         "0.0174 [0.0160,\u00a00.0188]",
         "98.1 [97.4,\u00a098.8]",
     ]
-    assert found["top tension"][1] == "0.068 [0.062,\u00a00.074]"  # 0.0523 × 1.3 = 0.06799
-    assert found["largest number of pulleys"][0] == "—"
-    millimetres = found["free-running trajectory [mm]"][:2]
+    assert gaps["top tension"][1] == "0.068 [0.062,\u00a00.074]"  # 0.0523 × 1.3 = 0.06799
+    assert gaps["largest number of pulleys"][0] == "—"
+    millimetres = gaps["free-running trajectory [mm]"][:2]
     assert millimetres == ["19.0 [17.5,\u00a020.6]", "10.5 [9.6,\u00a011.3]"]
-    assert found["not held out: the data of the fit"][1] == "0.0471 [0.0432,\u00a00.0509]"
+    assert gaps["not held out: the data of the fit"][1] == "0.0471 [0.0432,\u00a00.0509]"
     note = words(tables(stored_diagnosis())["gap"].note)
     assert "no published values for this size (largest number of pulleys)" in note
 
@@ -189,8 +189,8 @@ def test_reasons_for_not_telling_apart_are_told_apart():
 
 
 def test_trials_that_stray_are_told():
-    told = paragraphs(stored_diagnosis(stray_trials=("g0042", "g0099")))
-    assert "far from the others of their own assembly: g0042, g0099." in told
+    text = paragraphs(stored_diagnosis(stray_trials=("g0042", "g0099")))
+    assert "far from the others of their own assembly: g0042, g0099." in text
     assert "own assembly" not in paragraphs(stored_diagnosis())
 
 
@@ -210,23 +210,23 @@ def test_remainder_effects_and_next_experiment_are_the_stored_ones():
     asked = diagnosis().remainder.model_copy(
         update={"significant": True, "share_of_gap": interval(0.5)}
     )
-    told = paragraphs(stored_diagnosis(remainder=asked))
-    assert "The evidence favours" in told
-    assert "It would make up 50.0 [45.9, 54.1]\u202f% of the squared gap" in told
+    text = paragraphs(stored_diagnosis(remainder=asked))
+    assert "The evidence favours" in text
+    assert "It would make up 50.0 [45.9, 54.1]\u202f% of the squared gap" in text
     point = interval(0.5).model_copy(update={"q05": 0.5, "q95": 0.5})
     without_width = asked.model_copy(update={"share_of_gap": point})
     assert "make up 50\u202f% of the" in paragraphs(stored_diagnosis(remainder=without_width))
     whole = asked.model_copy(update={"share_of_gap": None, "share_of_gap_why": "no cause"})
     more = asked.model_copy(update={"share_of_gap": interval(1.64)})
-    told = paragraphs(stored_diagnosis(remainder=more))
-    assert "It would be at least as large as the gap." in told
-    assert "164" not in told
+    text = paragraphs(stored_diagnosis(remainder=more))
+    assert "It would be at least as large as the gap." in text
+    assert "164" not in text
     assert "it is all of the gap" in paragraphs(stored_diagnosis(remainder=whole, causes=()))
     assert "it is all of the gap" not in paragraphs(stored_diagnosis(remainder=whole))
 
 
 def test_conditions_that_were_asked_about_have_a_table():
-    one = ConditionAsked(
+    asked = ConditionAsked(
         condition={"pulley_size": "medium", "n_pulleys": 25.0},
         friction=interval(4.88),
         gap_without_causes=interval(-0.19),
@@ -234,7 +234,7 @@ def test_conditions_that_were_asked_about_have_a_table():
         outside=("n_pulleys",),
     )
     target = FrictionAsked(
-        unit="N", rows=(one,), stays_behind={"slip": "acts elsewhere"}, unknown_probability=0.2
+        unit="N", rows=(asked,), stays_behind={"slip": "acts elsewhere"}, unknown_probability=0.2
     )
     assert "asked" not in tables(stored_diagnosis())
     stored = stored_diagnosis(target=target)

@@ -79,9 +79,9 @@ def test_page_one_says_what_came_of_the_replay():
     from export.test_entered import COULOMB
 
     block = stored().record.model_copy(update={"enter": (COULOMB,)})
-    (paragraph,) = (one for one in numbers_to_enter(block) if isinstance(one, Paragraph))
+    (paragraph,) = (part for part in numbers_to_enter(block) if isinstance(part, Paragraph))
     assert "Promoted: so." in "".join(
-        one for one in inlines(paragraph.text) if isinstance(one, str)
+        inline for inline in inlines(paragraph.text) if isinstance(inline, str)
     )
 
 

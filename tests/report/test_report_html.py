@@ -97,10 +97,10 @@ def test_tables_have_captions_and_scopes(page: Page) -> None:
 
 
 def test_what_scrolls_can_be_scrolled_by_the_keyboard(page: Page) -> None:
-    regions = [one for one in page.all("div") if one.get("role") == "region"]
+    regions = [element for element in page.all("div") if element.get("role") == "region"]
     scrolling = [*page.all("figure"), *page.all("pre"), *regions]
     assert len(scrolling) == 3 + len(page.all("table")) == 4
-    assert all(one.get("tabindex") == "0" for one in scrolling)
+    assert all(element.get("tabindex") == "0" for element in scrolling)
 
 
 def test_a_column_without_a_title_has_no_empty_head() -> None:

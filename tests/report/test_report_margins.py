@@ -63,7 +63,7 @@ def test_the_first_line_says_which_gain_to_set(computed):
     rest = blocks[2].items
     assert " ".join([verdict.text, *rest]) == computed.summary.loops[0].answer
     assert re.fullmatch(r"Meets its spec: each of \d metrics .* or more\.", verdict.text)
-    assert any(one.startswith("Set γ to ") for one in rest)
+    assert any(line.startswith("Set γ to ") for line in rest)
 
 
 def test_an_assumed_number_that_decides_the_answer_is_a_warning(computed):
@@ -109,7 +109,7 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     assert line.title == f"bench: not safe at γ = {loop.compensation_gain:g}"
     assert "No gain γ is safe: all draws hunt." in line.text
     assert "Misses its spec" not in line.text  # lost motion has no spec of a number
-    lost = next(one for one in loop.metrics if one.name == "lost_motion")
+    lost = next(metric for metric in loop.metrics if metric.name == "lost_motion")
     tight = bad.model_copy(update={"metrics": (lost.model_copy(update={"spec": 1e-5}),)})
     (line,) = gain_lines(computed.summary.model_copy(update={"loops": (tight,)}), alone=False)
     assert f"Misses its spec: lost motion of the cable {1e3 * lost.interval.q50:.3g} [" in line.text
@@ -205,29 +205,34 @@ def grid_of(curve):
 
 
 def test_margins_at_a_prompt_are_drawn(computed):
-    found = MarginsResult.of(computed)
-    (axes,) = found.plot_hunting().axes
+    result = MarginsResult.of(computed)
+    (axes,) = result.plot_hunting().axes
     curve = computed.summary.loops[0].limit_cycle_probability
     drawn = axes.lines[0].get_xydata().tolist()
     assert not axes.lines[1].get_clip_on()  # the γ of the file, which may lie on the edge
     assert grid_of(curve).keys() <= dict(drawn).keys()
-    assert len(found.plot_errors().axes) == 2
-    bare = [one.model_copy(update={"limit_cycle_probability": ()}) for one in found.summary.loops]
-    summary = found.summary.model_copy(update={"loops": tuple(bare)})
+    assert len(result.plot_errors().axes) == 2
+    bare = [
+        loop_summary.model_copy(update={"limit_cycle_probability": ()})
+        for loop_summary in result.summary.loops
+    ]
+    summary = result.summary.model_copy(update={"loops": tuple(bare)})
     with pytest.raises(ValueError, match="no loop has a gain"):
-        replace(found, summary=summary).plot_hunting()
+        replace(result, summary=summary).plot_hunting()
 
 
 def test_the_tables_hold_the_stored_figures(computed):
     tables = [block for block in margins(computed.summary, alone=False) if isinstance(block, Table)]
-    (one,) = [table for table in tables if table.label == "margins-bench"]
-    rows = {row[0]: row for row in one.rows}
+    (margins_table,) = [table for table in tables if table.label == "margins-bench"]
+    rows = {row[0]: row for row in margins_table.rows}
     error = next(m for m in computed.summary.loops[0].metrics if m.name == "steady_error_servo")
     assert rows["steady error of the servo"][1] == "mm"
     shown = float(rows["steady error of the servo"][3])
     assert shown == pytest.approx(1e3 * error.interval.q50, abs=0.006)
     assert "headroom to continuous torque" not in rows  # which does not exist, and has no spec
-    assert all("—" not in row[6:] for row in one.rows if not row[6])  # without a spec, nothing
+    assert all(
+        "—" not in row[6:] for row in margins_table.rows if not row[6]
+    )  # without a spec, nothing
     (two,) = [table for table in tables if table.label == "margins-second"]
     gain = next(row for row in two.rows if row[0] == "gain margin")
     assert gain[6] == "≥ 2.00"
@@ -265,39 +270,39 @@ def test_margins_over_another_fit_are_refused(computed, small_fit, tmp_path):
 
 
 def test_the_figures_draw_what_is_stored(computed):
-    one = computed.summary.loops[0]
-    axes = limit_cycle_against_gain([one]).axes[0]
+    bench = computed.summary.loops[0]
+    axes = limit_cycle_against_gain([bench]).axes[0]
     curve = axes.lines[0].get_xydata()
     # Between the stored points, of which one may stand on either side of a step, the quantiles.
-    drawn, grid = dict(curve.tolist()), grid_of(one.limit_cycle_probability)
+    drawn, grid = dict(curve.tolist()), grid_of(bench.limit_cycle_probability)
     for gamma, p in grid.items():
         assert drawn[gamma] == pytest.approx(p, abs=0.05)
-    (hunting,) = [metric for metric in one.metrics if metric.name == "gamma_hunting"]
+    (hunting,) = [metric for metric in bench.metrics if metric.name == "gamma_hunting"]
     assert drawn[hunting.quantiles[10]] == 0.5
     assert np.all(np.diff(curve, axis=0) >= 0)
     (safe,) = [line for line in axes.lines if line.get_alpha() == 0.6]
-    assert safe.get_xdata()[0] == np.floor(100 * one.largest_safe_compensation_gain) / 100
+    assert safe.get_xdata()[0] == np.floor(100 * bench.largest_safe_compensation_gain) / 100
     chart = computed.summary.loops[1].hunting_map
     hunting = [[0.5] * len(row) for row in chart.probability]
     chart = chart.model_copy(update={"probability": hunting})
     drawn, errors = (panel.images[0].get_array() for panel in hunting_over_speed(chart).axes)
     assert drawn.tolist() == hunting
     assert errors[1, 0] == pytest.approx(1e3 * chart.rms_error_m[1][0])
-    left, right = nyquist_fan(one.nyquist).axes
-    loops = [fan for fan in one.nyquist if fan.what == "loop"]
+    left, right = nyquist_fan(bench.nyquist).axes
+    loops = [fan for fan in bench.nyquist if fan.what == "loop"]
     assert left.lines[0].get_xdata().tolist() == list(loops[0].real[0])
     assert len(right.lines) >= len(loops[0].real)
 
 
 def test_the_bode_figure_has_the_margins_of_the_table(computed):
-    one = computed.summary.loops[0]
-    above, below = bode_bands(one.bode).axes
+    bench = computed.summary.loops[0]
+    above, below = bode_bands(bench.bode).axes
     frequency, gain = above.lines[0].get_data()
     phase = below.lines[0].get_ydata()
     # |L| falls through 0 dB once; there the phase is above −180° by the phase margin
     crossing = np.interp(0.0, -gain, np.log(frequency))
     margin = 180.0 + np.interp(crossing, np.log(frequency), phase)
-    (stored,) = (each for each in one.metrics if each.name == "phase_margin")
+    (stored,) = (metric for metric in bench.metrics if metric.name == "phase_margin")
     assert margin == pytest.approx(np.degrees(stored.interval.q50), abs=0.5)
     # rigid at low frequencies: kp/((J s + b) s), from −90° on
     assert -180.0 < phase[0] < -90.0
@@ -326,12 +331,12 @@ def test_references_that_move_are_drawn_and_tabled(computed):
                             peak_m=Interval(**numbers), **bands)  # fmt: skip
 
     rows = tuple(
-        followed(*one) for one in (("none", 4e-3, 0.0), ("reference", 1e-3, 0.9),
+        followed(*numbers) for numbers in (("none", 4e-3, 0.0), ("reference", 1e-3, 0.9),
                                    ("measured", 2e-3, 0.0), ("error", 3e-3, 0.1),
                                    ("LuGre observer", 3.5e-3, 0.0),
                                    ("disturbance observer", 1.5e-3, 0.0))
     )  # fmt: skip
-    found = Following(
+    following = Following(
         draws=20, settling_s=1.0, time_s=tuple(steps), answer="Reference.", error_band_rad=0.1,
         disturbance_cutoff_rad_s=12.5,
         trajectories=tuple(
@@ -339,21 +344,23 @@ def test_references_that_move_are_drawn_and_tabled(computed):
             for name in ("ramp", "reversal", "sine", "step")
         ),
     )  # fmt: skip
-    moving = first.model_copy(update={"following": found, "following_why": None})
+    moving = first.model_copy(update={"following": following, "following_why": None})
     blocks = list(margins(computed.summary.model_copy(update={"loops": (moving,)}), alone=False))
-    (table,) = [one for one in blocks if getattr(one, "label", "") == "followed-bench"]
+    (table,) = [block for block in blocks if getattr(block, "label", "") == "followed-bench"]
     assert len(table.rows) == 24
     assert "its corner at 12.5 rad/s" in str(table.note)
     assert table.rows[1][:3] == ["ramp", "reference", "1.0"]
     assert table.rows[1][-1].startswith("90")
-    panels = errors_over_time(found).axes
-    assert [one.get_title() for one in panels] == [
+    panels = errors_over_time(following).axes
+    assert [panel.get_title() for panel in panels] == [
         "ramp: reference", "reversal: reference", "sine: reference", "step: reference",
     ]  # fmt: skip
     drawn = [np.asarray(line.get_ydata()).tolist() for line in panels[3].lines]
     assert (1e3 * 4e-3 * steps).tolist() in drawn
-    bare = [one for one in margins(computed.summary, alone=False) if isinstance(one, Paragraph)]
-    assert any("it was not asked for (--ensembles)" in str(one.text) for one in bare)
+    bare = [
+        block for block in margins(computed.summary, alone=False) if isinstance(block, Paragraph)
+    ]
+    assert any("it was not asked for (--ensembles)" in str(paragraph.text) for paragraph in bare)
 
 
 def test_a_gain_that_is_not_certified_violates_no_spec(computed):
@@ -362,9 +369,9 @@ def test_a_gain_that_is_not_certified_violates_no_spec(computed):
         draws=20, probability=0.0, low=0.0, high=0.2, covers="", sentence="",
         gamma=Interval(mean=0.3, sd=0.1, q05=0.1, q50=0.25, q95=0.4),
     )  # fmt: skip
-    one = computed.summary.loops[0].model_copy(update={"certificate": certificate})
-    found = computed.summary.model_copy(update={"loops": (one,)})
-    tables = [block for block in margins(found, alone=False) if isinstance(block, Table)]
+    uncertified = computed.summary.loops[0].model_copy(update={"certificate": certificate})
+    summary = computed.summary.model_copy(update={"loops": (uncertified,)})
+    tables = [block for block in margins(summary, alone=False) if isinstance(block, Table)]
     (row,) = [r for t in tables for r in t.rows if str(r[0]).startswith("certified γ")]
     assert float(row[3]) == 0.25
     assert row[6:] == ["", "", ""]
@@ -387,7 +394,7 @@ def test_a_title_names_the_assumed_number_that_the_answer_hangs_on(computed):
 def test_a_probability_beside_what_is_allowed_stands_with_its_error(computed):
     """0.052 ± 0.0046 is no clear miss of 0.05; 0.07 is."""
     bench = computed.summary.loops[0]
-    (metric,) = [one for one in bench.metrics if one.name == "steady_error_servo"]
+    (metric,) = [of_loop for of_loop in bench.metrics if of_loop.name == "steady_error_servo"]
 
     def shown(p):
         only = metric.model_copy(

@@ -70,8 +70,8 @@ def test_agreement_of_the_sensors_is_that_of_the_fit(stored):
     )
     clocks = Clocks(trials=12345, late_s=-2.3456e-3, sd_s=1.2e-4, allowed_sd_s=1e-3)
     with_both = with_quality(stored, agreement=agreement, clocks=clocks)
-    found = tables(data_quality.data_quality(with_both))
-    assert [row[1] for row in found["agreement"].rows] == [
+    tables_by_label = tables(data_quality.data_quality(with_both))
+    assert [row[1] for row in tables_by_label["agreement"].rows] == [
         "12\u202f345",
         "2.01",
         "4.57",
@@ -79,21 +79,23 @@ def test_agreement_of_the_sensors_is_that_of_the_fit(stored):
         "2",
         "−2.35 ± 0.12",
     ]
-    assert "2.0\u202f%. They are: g0007, g0011." in words(found["agreement"].note)
+    assert "2.0\u202f%. They are: g0007, g0011." in words(tables_by_label["agreement"].note)
 
 
 def test_repairs_are_listed_up_to_a_page(stored):
-    one = Repaired(trial="g0003", sensor="load", missed=2, doubled=1, removed=1, used=True)
+    repaired = Repaired(trial="g0003", sensor="load", missed=2, doubled=1, removed=1, used=True)
     lost = Repaired(trial="g0004", sensor="drive", missed=0, doubled=0, removed=58, used=False)
-    found = tables(data_quality.data_quality(with_quality(stored, repaired=(one, lost))))
-    assert found["repairs"].rows == [
+    tables_by_label = tables(
+        data_quality.data_quality(with_quality(stored, repaired=(repaired, lost)))
+    )
+    assert tables_by_label["repairs"].rows == [
         ["g0003", "load", "2", "1", "1", "yes"],
         ["g0004", "drive", "0", "0", "58", "no"],
     ]
-    assert "fit.json" not in words(found["repairs"].note)
-    many = tables(data_quality.data_quality(with_quality(stored, repaired=(one,) * 31)))
-    assert len(many["repairs"].rows) == 30
-    assert "first 30 of 31; all are in fit.json" in words(many["repairs"].note)
+    assert "fit.json" not in words(tables_by_label["repairs"].note)
+    first_page = tables(data_quality.data_quality(with_quality(stored, repaired=(repaired,) * 31)))
+    assert len(first_page["repairs"].rows) == 30
+    assert "first 30 of 31; all are in fit.json" in words(first_page["repairs"].note)
 
 
 def test_stalls_are_named(stored):
@@ -107,10 +109,12 @@ def test_stalls_are_named(stored):
 
 
 def test_what_the_rules_select_on_and_what_stalls_change_are_said(stored):
-    one = Excluded(trial="g0002", rule="stalled", reason="it stopped", selects_on="friction: much")
-    rules = with_quality(stored, excluded=(one,))
-    found = list(data_quality.data_quality(rules))
-    (points,) = [block for block in found if isinstance(block, BulletList)]
+    excluded = Excluded(
+        trial="g0002", rule="stalled", reason="it stopped", selects_on="friction: much"
+    )
+    rules = with_quality(stored, excluded=(excluded,))
+    blocks = list(data_quality.data_quality(rules))
+    (points,) = [block for block in blocks if isinstance(block, BulletList)]
     assert [words(point) for point in points.items] == ["stalled: friction: much."]
     pulleys = {
         size: {name: Interval(mean=m, sd=0.1, q05=m, q50=m, q95=m) for name, m in own.items()}
@@ -137,10 +141,10 @@ def test_why_the_papers_estimator_has_no_value(stored):
 
 
 def test_coverage_is_the_stored_one(stored, checked):
-    found = tables(checked)["coverage"]
+    coverage = tables(checked)["coverage"]
     trials = stored.predictive["trials"]
     low, _, high = 100 * trials["covered_expected"].to_numpy()
-    board, number, share, expected, fits = found.rows[0]
+    board, number, share, expected, fits = coverage.rows[0]
     assert (board, number) == ("gravity board, trials", "108")
     assert float(share.split("\u202f")[0]) == pytest.approx(
         100 * float(trials["covered_share"]), abs=0.06
@@ -148,7 +152,7 @@ def test_coverage_is_the_stored_one(stored, checked):
     ends = [float(end.split("\u202f")[0]) for end in expected.split(" to ")]
     assert ends == pytest.approx([low, high], abs=0.06)
     assert fits == "yes"
-    assert found.rows[1][0] == "motor board, runs"
+    assert coverage.rows[1][0] == "motor board, runs"
 
 
 def changed_trials(stored, **changes):
@@ -169,8 +173,8 @@ def test_outliers_have_a_table_of_their_own(stored, checked):
     far = np.arange(table.sizes["trial"]) == 5
     z = np.where(far, -4.567, table["z"].to_numpy())
     poor = changed_trials(stored, outlier=("trial", far), z=("trial", z))
-    found = list(checks.checks(poor))
-    (row,) = tables(found)["outliers-trials"].rows
+    blocks = list(checks.checks(poor))
+    (row,) = tables(blocks)["outliers-trials"].rows
     trial = table.isel(trial=5)
     assert row[:3] == [
         trial["trial"].item(),
@@ -178,7 +182,7 @@ def test_outliers_have_a_table_of_their_own(stored, checked):
         str(trial["n_pulleys"].item()),
     ]
     assert row[-1] == "−4.57"
-    assert "No trial of the gravity board" not in paragraphs(found)
+    assert "No trial of the gravity board" not in paragraphs(blocks)
 
 
 @pytest.mark.parametrize(
@@ -239,9 +243,9 @@ def test_coefficients_with_and_without_the_rules_stand_side_by_side(stored):
     whole = WithoutExclusions(trials_used=1234, converged=False, pulleys=moved)
     changed = dataclasses.replace(stored, fit=fit.model_copy(update={"without_exclusions": whole}))
     assert "all-trials" not in tables(data_quality.data_quality(stored))
-    found = tables(data_quality.data_quality(changed))["all-trials"]
-    assert "not converged" in words(found.note)
-    for row in found.rows:
+    table = tables(data_quality.data_quality(changed))["all-trials"]
+    assert "not converged" in words(table.note)
+    for row in table.rows:
         with_rules, sd, with_all, wide = (float(cell.replace("−", "-")) for cell in row[2:])
         assert with_all == pytest.approx(2 * with_rules, rel=0.01, abs=0.01)
         assert wide == pytest.approx(3 * sd, rel=0.1)

@@ -66,8 +66,8 @@ def test_a_value_and_its_error_end_at_the_second_digit_of_the_error(value, error
 
 
 def test_priors_are_told_to_three_digits() -> None:
-    told = three_digits("log-normal(median=0.0438168, sd_log=0.7), normal(0, 2.5e-05), 15000")
-    assert told == "log-normal(median=0.0438, sd_log=0.7), normal(0, 2.5e-05), 15000"
+    rounded = three_digits("log-normal(median=0.0438168, sd_log=0.7), normal(0, 2.5e-05), 15000")
+    assert rounded == "log-normal(median=0.0438, sd_log=0.7), normal(0, 2.5e-05), 15000"
 
 
 @pytest.mark.parametrize(

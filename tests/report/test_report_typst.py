@@ -104,15 +104,15 @@ def test_numbers_agree_with_those_of_the_other_formats(pdf: PdfReader) -> None:
 
 
 def test_only_embedded_fonts_that_come_with_typst(pdf: PdfReader) -> None:
-    found = {}
+    embedded = {}
     for page in pdf.pages:
         for font in page["/Resources"]["/Font"].values():
             inner = font.get_object()["/DescendantFonts"][0].get_object()
             name = inner["/BaseFont"].split("+")[1]
-            found[name] = any(key.startswith("/FontFile") for key in inner["/FontDescriptor"])
-    assert found
-    assert all(found.values())
-    assert [name for name in found if not name.startswith(FONTS)] == []
+            embedded[name] = any(key.startswith("/FontFile") for key in inner["/FontDescriptor"])
+    assert embedded
+    assert all(embedded.values())
+    assert [name for name in embedded if not name.startswith(FONTS)] == []
 
 
 def test_right_to_left_letters_and_those_without_a_glyph() -> None:

@@ -6,8 +6,10 @@ from bayesfric.report.content import inlines
 def plain(text):
     """The words of a text, formulas as their source."""
     return "".join(
-        one if isinstance(one, str) else getattr(one, "text", getattr(one, "source", ""))
-        for one in inlines(text)
+        inline
+        if isinstance(inline, str)
+        else getattr(inline, "text", getattr(inline, "source", ""))
+        for inline in inlines(text)
     )
 
 

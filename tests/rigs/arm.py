@@ -20,7 +20,7 @@ STEP_S, RATE_HZ, COUNT = 2.5e-4, 500, 2e-5
 
 def model(masses, step_s=STEP_S, joints=({}, {}, {})):
     """Return MJCF of the arm; a radian is a radian."""
-    of = [" ".join(f'{key}="{value}"' for key, value in one.items()) for one in joints]
+    of = [" ".join(f'{key}="{value}"' for key, value in joint.items()) for joint in joints]
     return f"""<mujoco><compiler angle="radian"/><option timestep="{step_s}"
  integrator="implicitfast"/><worldbody><body name="column">
  <joint name="j1" axis="0 0 1" {of[0]}/><geom type="box" size=".05 .05 .1" mass="{masses[0]}"/>
@@ -53,7 +53,10 @@ def log_of_arm(seed=1, seconds=15.0):
     rng = np.random.default_rng(seed)
     settings = zip(FRICTIONLOSS, DAMPING, ARMATURE, strict=True)
     names = ("frictionloss", "damping", "armature")
-    joints = [dict(zip(names, one, strict=True)) | STIFF_FRICTION for one in settings]
+    joints = [
+        dict(zip(names, joint_settings, strict=True)) | STIFF_FRICTION
+        for joint_settings in settings
+    ]
     compiled = mujoco.MjModel.from_xml_string(model(MASSES, joints=joints))
     data = mujoco.MjData(compiled)
     reference = Reference(

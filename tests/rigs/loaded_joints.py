@@ -93,7 +93,7 @@ class LoadedJoint:
         """Return a recording of all runs."""
         warming = np.linspace(0, 1, self.runs + 1)
         count = round(self.seconds * self.sampled_hz)
-        each = [
+        samples_of_runs = [
             self.samples(
                 number,
                 4 * (share := np.linspace(*warming[number : number + 2], count)) * (1 - share),
@@ -105,5 +105,5 @@ class LoadedJoint:
         if self.payloads:
             runs["payload_kg"] = [heavy - 1.0 for heavy in self.payloads]
         rig = RigConstants(rotary=True, **self.constants)
-        samples = pd.concat(each, ignore_index=True)
+        samples = pd.concat(samples_of_runs, ignore_index=True)
         return Recording(name="joint", title="A joint", rig=rig, axis=Axis(runs, samples))

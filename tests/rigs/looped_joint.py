@@ -82,12 +82,12 @@ class LoopedJoint:
     def _pushes(self, count, rng):
         """Return a torque that goes with a time constant of 0.1 s, shape (N,)."""
         kept = np.exp(-1 / (0.1 * self.sampled_hz))
-        found, value = np.zeros(count), 0.0
+        pushes, value = np.zeros(count), 0.0
         if self.pushed:
             for sample, drawn in enumerate(rng.standard_normal(count)):
                 value = kept * value + self.pushed * np.sqrt(1 - kept**2) * drawn
-                found[sample] = value
-        return found
+                pushes[sample] = value
+        return pushes
 
     def samples(self, run="a", seed=1):
         """Return what is logged of a run."""

@@ -53,14 +53,14 @@ class Servo:
         inertia = self.inertia + payload_kg * self.arm**2
         weight = self.gravity + payload_kg * G * self.arm
         fine = (np.arange(times.size * steps) + 0.5) * step
-        told = commands[np.clip(np.floor((fine - self.late_s) * self.rate_hz), 0, None).astype(int)]
+        held = commands[np.clip(np.floor((fine - self.late_s) * self.rate_hz), 0, None).astype(int)]
         place, speed = float(commands[0]), 0.0
         rub, read = step * self.coulomb / inertia, np.empty(times.size)
         waves = rng.uniform((6, 0.2, 0), (50, 1, 2 * np.pi), (5, 3)).tolist()
         high = self.uneven * math.sqrt(2 / sum(size**2 for _, size, _ in waves))
         kept = 1 / (1 + step * self.damping / inertia)
-        told = told.reshape(times.size, steps).tolist()
-        for sample, of_sample in enumerate(told):
+        held = held.reshape(times.size, steps).tolist()
+        for sample, of_sample in enumerate(held):
             read[sample] = place
             for goal in of_sample:
                 force = self.stiffness * (goal - place) - weight * math.sin(place - self.hangs)

@@ -139,7 +139,9 @@ def test_probabilities_of_many_thresholds(steepness):
     gap = steepness * rng.standard_normal((3, 4))
     mean = 0.5 * rng.standard_normal((3, 2))
     root = np.array([[0.8, 0.0], [-0.3, 0.5]])
-    found = log_probability_above(mean, np.tile(root @ root.T, (3, 1, 1)), Thresholds(moved, gap))
+    log_probabilities = log_probability_above(
+        mean, np.tile(root @ root.T, (3, 1, 1)), Thresholds(moved, gap)
+    )
     grid = np.linspace(-8, 8, 801)
     first, second = np.meshgrid(grid, grid, indexing="ij")
     for w in range(3):
@@ -150,13 +152,13 @@ def test_probabilities_of_many_thresholds(steepness):
                 moved[0, w, i] * u[0] + moved[1, w, i] * u[1] - gap[w, i]
             )
         whole = integrate.trapezoid(integrate.trapezoid(value, grid), grid)
-        assert found[w] == pytest.approx(np.log(whole), abs=1e-6)
+        assert log_probabilities[w] == pytest.approx(np.log(whole), abs=1e-6)
     # One threshold is a closed form, and what is sure to be passed changes nothing.
-    one = Thresholds(moved[..., :1], gap[..., :1])
+    pair = Thresholds(moved[..., :1], gap[..., :1])
     sure = Thresholds(moved[..., :2] * [1, 0.5], np.stack([gap[:, 0], np.full(3, -99.0)], axis=1))
     covariance = np.tile(root @ root.T, (3, 1, 1))
     assert log_probability_above(mean, covariance, sure) == pytest.approx(
-        log_probability_above(mean, covariance, one), abs=1e-8
+        log_probability_above(mean, covariance, pair), abs=1e-8
     )
 
 
@@ -167,14 +169,16 @@ def test_an_effect_holds_a_trial_at_rest():
     active = ActiveEffect(all_effects()["fixed-drag"], "constant")
     (amplitude,) = active.effect.parameters
     theta = THETA | {f"fixed-drag.{amplitude.name}": np.array([0.4])}
-    found = likelihood_of(trials, moved, effects=[active]).setup_log_likelihood(theta)[0, 1]
+    log_likelihood = likelihood_of(trials, moved, effects=[active]).setup_log_likelihood(theta)[
+        0, 1
+    ]
     state = State.of(MEDIUM, 15, 50.0, 0.5 * condition.total_mass_kg[6] * G, 0.0)
     drag = float(active.effect.laws["constant"]({amplitude.name: 0.4}, state))
     rest = float(coulomb_friction(MEDIUM, 15, 50.0, state.tension_n)) + drag
     sd = np.hypot(rest * np.hypot(TAU, OMEGA), OMEGA_INTERCEPT * 15 * float(MEDIUM.c2))
     expected = stats.norm.logsf(condition.drive_force_n[6], rest, sd)
     # At the threshold tension is that at rest; a little away from it, feedback is a percent.
-    assert found == pytest.approx(expected, abs=0.02)
+    assert log_likelihood == pytest.approx(expected, abs=0.02)
     assert abs(drag) > sd
 
 
@@ -235,7 +239,7 @@ def test_rest_of_a_size_that_never_moved_bounds_nothing():
     moved = none["trial"][none["did_not_move"] == "false"]
     events = recording.gravity.events
     gravity = Gravity(none, events[events["trial"].isin(moved)])
-    found = screen_trials(gravity, recording.rig)
+    screened = screen_trials(gravity, recording.rig)
     large = set(none["trial"][none["pulley_size"] == "large"])
-    assert {trial for trial, rule in found.excluded.items() if rule == "size-at-rest"} == large
-    assert "test" not in set(found.at_rest["role"])
+    assert {trial for trial, rule in screened.excluded.items() if rule == "size-at-rest"} == large
+    assert "test" not in set(screened.at_rest["role"])

@@ -43,15 +43,17 @@ def written(folder, *, inertia_kg=0.0, share=0.0, sd=0.0, rows=24, stated=False,
 
 
 def why(summary, name):
-    return next(one.log10_bayes_factor_why for one in summary.effects if one.effect == name)
+    return next(
+        tested.log10_bayes_factor_why for tested in summary.effects if tested.effect == name
+    )
 
 
 @pytest.mark.parametrize("stated", [True, False])
 def test_a_pulleys_inertia_is_named_with_what_is_the_same(tmp_path, stated):
-    found = bf.diagnose(written(tmp_path, inertia_kg=0.01, share=0.01, stated=stated)).summary
-    assert found.verdict == "named"
-    (cause,) = found.causes
-    (alike,) = (one for one in found.unseparated if cause.effect in one.effects)
+    summary = bf.diagnose(written(tmp_path, inertia_kg=0.01, share=0.01, stated=stated)).summary
+    assert summary.verdict == "named"
+    (cause,) = summary.causes
+    (alike,) = (group for group in summary.unseparated if cause.effect in group.effects)
     assert alike.reason == "identical-on-this-rig"
     assert set(alike.effects) == {"mass-error", "pulley-inertia"}
     (value,) = cause.parameters.values()
@@ -61,11 +63,11 @@ def test_a_pulleys_inertia_is_named_with_what_is_the_same(tmp_path, stated):
 
 def test_the_error_of_accelerations_is_found_where_nobody_states_it(tmp_path):
     """Five times the rough one, to three standard errors of an estimate from 40 rows."""
-    found = bf.diagnose(written(tmp_path, sd=0.05, rows=40)).summary
-    assert found.causes == ()
-    assert "rig.limits.travel_m" in why(found, "air-drag")
-    assert "single events" in why(found, "clock-scale")
-    assert 0.01 * np.sqrt(found.scatter["kappa"]) == pytest.approx(0.05, rel=3 / np.sqrt(80))
+    summary = bf.diagnose(written(tmp_path, sd=0.05, rows=40)).summary
+    assert summary.causes == ()
+    assert "rig.limits.travel_m" in why(summary, "air-drag")
+    assert "single events" in why(summary, "clock-scale")
+    assert 0.01 * np.sqrt(summary.scatter["kappa"]) == pytest.approx(0.05, rel=3 / np.sqrt(80))
 
 
 def reason(recording, name):
@@ -84,6 +86,6 @@ def test_what_a_table_does_not_tell_is_not_examined(tmp_path):
     for name in ("air-drag", "viscous", "stribeck", "cable-weight", "runout"):
         assert "rig.limits.travel_m" in reason(untold, name)
         assert "rig.limits.travel_m" not in reason(with_travel, name)
-    for one in (with_travel, untold):
-        assert "single events" in reason(one, "clock-scale")
-        assert "single events" in reason(one, "length-scale")
+    for recording in (with_travel, untold):
+        assert "single events" in reason(recording, "clock-scale")
+        assert "single events" in reason(recording, "length-scale")

@@ -53,25 +53,25 @@ def dense(rows, at):
     of_row = SETUP[RUN]
     of_runs = at.run * np.eye(5) + at.setup * np.equal.outer(SETUP, SETUP)
     every = 1 / np.linalg.inv(of_runs).sum()  # the variance of the best mean
-    each = at.run * same_run + at.setup * np.equal.outer(of_row, of_row) - every
-    found = each * np.outer(moved, moved) + every * np.outer(law, law)
-    found += (cosines * at.machine_map) @ cosines.T + same_run * (
+    deviation = at.run * same_run + at.setup * np.equal.outer(of_row, of_row) - every
+    covariance = deviation * np.outer(moved, moved) + every * np.outer(law, law)
+    covariance += (cosines * at.machine_map) @ cosines.T + same_run * (
         (cosines * at.run_map) @ cosines.T
     )
-    found += same_run * ((in_time * at.slow) @ in_time.T)
-    return found + ERROR**2 * np.eye(RUN.size)
+    covariance += same_run * ((in_time * at.slow) @ in_time.T)
+    return covariance + ERROR**2 * np.eye(RUN.size)
 
 
 def test_the_density_is_that_of_a_dense_normal_whose_common_part_is_the_laws(rows):
     at = levels(0.03, 0.02)
-    found = shared(rows, at)
+    deviations = shared(rows, at)
     covariance = dense(rows, at)
     further = rows[1]
     np.testing.assert_allclose(
-        found.rest, further.T @ np.linalg.solve(covariance, further), rtol=1e-7
+        deviations.rest, further.T @ np.linalg.solve(covariance, further), rtol=1e-7
     )
     y = further[:, 0]
-    density = found.constant - 0.5 * found.rest[0, 0]
+    density = deviations.constant - 0.5 * deviations.rest[0, 0]
     density -= 0.5 * RUN.size * np.log(2 * np.pi * ERROR**2)
     expected = multivariate_normal(np.zeros(RUN.size), covariance).logpdf(y)
     assert density == pytest.approx(expected, rel=1e-9)
@@ -81,8 +81,8 @@ def test_moments_are_derivatives_of_the_density(rows):
     mixed = np.array([[1.0], [0.0], [0.0]])
 
     def density(run, setup, slow=2e-3):
-        found = shared(rows, levels(run, setup, slow))
-        return 2 * found.constant - float(mixed[:, 0] @ found.rest @ mixed[:, 0])
+        deviations = shared(rows, levels(run, setup, slow))
+        return 2 * deviations.constant - float(mixed[:, 0] @ deviations.rest @ mixed[:, 0])
 
     run, setup, _, _, slow = shared(rows, levels(0.03, 0.02)).moments(mixed)
     step = 1e-6
@@ -98,8 +98,8 @@ def test_moments_are_derivatives_of_the_density(rows):
 def test_rows_without_what_deviates_are_those_of_the_dense_inverse(rows):
     at = levels(0.03, 0.02)
     columns, further = rows
-    found, covariance = shared(rows, at), dense(rows, at)
-    numbers, taken = found.of_rows()
+    deviations, covariance = shared(rows, at), dense(rows, at)
+    numbers, taken = deviations.of_rows()
     assert numbers.shape == (5, COLUMNS, 3)
     lent = np.column_stack([columns, further]) / ERROR**2
     left = lent[:, COLUMNS:] - np.einsum("wk,wkm->wm", lent[:, :COLUMNS], numbers[RUN])

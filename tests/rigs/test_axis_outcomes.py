@@ -18,19 +18,19 @@ def diagnosed(folder, *, runs=6, alter=lambda table: table, **machine):
 @pytest.mark.nightly
 def test_friction_that_falls_more_slowly_with_speed_is_stribeck_friction(tmp_path):
     """Scatter of 20 % in all runs alike, in the place of the law, would take the curve."""
-    found = diagnosed(tmp_path, stribeck=(0.6, 0.04), slowly=True)
-    assert [one.effect for one in found.causes] == ["stribeck"]
-    assert found.scatter["tau_axis"] < 0.03
-    assert abs(found.law["inertia"].after.mean / 2.0 - 1) < 0.02
+    summary = diagnosed(tmp_path, stribeck=(0.6, 0.04), slowly=True)
+    assert [cause.effect for cause in summary.causes] == ["stribeck"]
+    assert summary.scatter["tau_axis"] < 0.03
+    assert abs(summary.law["inertia"].after.mean / 2.0 - 1) < 0.02
 
 
 @pytest.mark.nightly
 def test_a_worn_spot_is_a_gap_along_the_path_and_no_scatter(tmp_path):
     """Half as much friction again over a tenth of the path: rms 0.11 once recalibrated."""
-    found = diagnosed(tmp_path, worn=(0.5, 0.02, 0.015))
-    assert (found.verdict, found.causes) == ("unknown", ())
-    assert found.where[0].axis == "displacement"
-    assert 0.06 < found.gap.systematic.q50 / found.gap.friction_rms < 0.16
+    summary = diagnosed(tmp_path, worn=(0.5, 0.02, 0.015))
+    assert (summary.verdict, summary.causes) == ("unknown", ())
+    assert summary.where[0].axis == "displacement"
+    assert 0.06 < summary.gap.systematic.q50 / summary.gap.friction_rms < 0.16
 
 
 @pytest.mark.nightly
@@ -40,10 +40,10 @@ def test_friction_that_follows_a_column_of_the_users_own_is_found_along_it(tmp_p
     def in_oil(table):
         return table.drop(columns="order").assign(oil_c=np.linspace(20, 50, len(table)))
 
-    found = diagnosed(tmp_path, runs=10, drift=0.3, alter=in_oil)
-    assert found.verdict == "unknown"
-    assert found.where[0].axis == "oil_c"
-    assert 0.06 < found.gap.systematic.q50 / found.gap.friction_rms < 0.12
+    summary = diagnosed(tmp_path, runs=10, drift=0.3, alter=in_oil)
+    assert summary.verdict == "unknown"
+    assert summary.where[0].axis == "oil_c"
+    assert 0.06 < summary.gap.systematic.q50 / summary.gap.friction_rms < 0.12
 
 
 @pytest.mark.nightly

@@ -11,7 +11,7 @@ FORCES = np.linspace(-3.0, 3.0, 61)
 
 
 @pytest.mark.parametrize(
-    ("force_is", "limit", "told"),
+    ("force_is", "limit", "warned"),
     [
         ("motor", 0.5, True),
         ("motor", 2.95, False),  # a sensor that reads a little more
@@ -20,12 +20,12 @@ FORCES = np.linspace(-3.0, 3.0, 61)
         ("commanded", None, False),
     ],
 )
-def test_a_limit_far_below_the_forces_recorded_is_told(force_is, limit, told):
+def test_a_limit_far_below_the_forces_recorded_is_told(force_is, limit, warned):
     rig = RigConstants(rotary=True, force_is=force_is, force_limit_n=limit)
     said = list(beyond_limit(rig, FORCES, "N·m"))
-    assert bool(said) == told
-    assert not told or "force_limit_n is 0.5 N·m" in said[0]
-    assert not told or "up to 3 N·m" in said[0]
+    assert bool(said) == warned
+    assert not warned or "force_limit_n is 0.5 N·m" in said[0]
+    assert not warned or "up to 3 N·m" in said[0]
 
 
 @pytest.mark.parametrize(

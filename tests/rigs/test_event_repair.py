@@ -75,17 +75,17 @@ def row(events, *, missed, doubled, removed, used=True):
     return {"trial": trial, "sensor": sensor} | counts
 
 
-def same(found, expected):
-    pd.testing.assert_frame_equal(found.reset_index(drop=True), expected, check_exact=True)
+def same(events, expected):
+    pd.testing.assert_frame_equal(events.reset_index(drop=True), expected, check_exact=True)
 
 
 @pytest.mark.parametrize("sigma_x", [30e-6, 100e-6])
 @pytest.mark.parametrize("seed", range(4))
 def test_clean_events_are_left_alone(seed, sigma_x):
     gravity = simulated(seed, sigma_x=sigma_x)
-    found = repair(gravity.events, gravity.trials["trial"])
-    assert found.events is gravity.events
-    assert table(found) == []
+    repaired = repair(gravity.events, gravity.trials["trial"])
+    assert repaired.events is gravity.events
+    assert table(repaired) == []
 
 
 @pytest.mark.parametrize("sigma_x", [30e-6, 100e-6])
@@ -109,9 +109,9 @@ def test_a_doubled_event_is_taken_out(event, bounce):
 
 def test_the_earlier_of_two_edges_goes_where_it_is_off_the_motion():
     events = one_train(simulated(4))
-    found = repair(counted(with_bounces(events, {20: -2e-3, 40: -2e-3})))
-    same(found.events, events)
-    assert table(found) == [row(events, missed=0, doubled=2, removed=2)]
+    repaired = repair(counted(with_bounces(events, {20: -2e-3, 40: -2e-3})))
+    same(repaired.events, events)
+    assert table(repaired) == [row(events, missed=0, doubled=2, removed=2)]
 
 
 @pytest.mark.parametrize("sigma_x", [30e-6, 100e-6])
@@ -134,29 +134,29 @@ def test_a_fault_beside_another_trial_and_sensor_stays_there():
     later = (truth["trial"] == trial) & (truth["sensor"] == "load") & (truth.index > gone)
     recorded.loc[later, "displacement_m"] -= SPACING
     shuffled = recorded.sample(frac=1, random_state=1)
-    found = repair(shuffled, gravity.trials["trial"])
-    assert found.events.index.equals(shuffled.index)
-    back = found.events.sort_index()
+    repaired = repair(shuffled, gravity.trials["trial"])
+    assert repaired.events.index.equals(shuffled.index)
+    back = repaired.events.sort_index()
     assert np.abs(back["displacement_m"] - truth["displacement_m"]).max() < 1e-12
     pd.testing.assert_frame_equal(back[~later], truth[~later], check_exact=True)
     expected = {"missed": 1, "doubled": 0, "removed": 0, "used": True}
-    assert table(found) == [{"trial": trial, "sensor": "load"} | expected]
+    assert table(repaired) == [{"trial": trial, "sensor": "load"} | expected]
 
 
 def test_a_displacement_that_skips_a_spacing_is_right():
     events = one_train(simulated(7))
     truth = missing(events, 1, 20, 21, 50)
-    found = repair(truth)
-    assert found.events is truth
-    assert table(found) == []
+    repaired = repair(truth)
+    assert repaired.events is truth
+    assert table(repaired) == []
 
 
 def test_a_stray_event_is_taken_out():
     events = one_train(simulated(8))
     halfway = (events["time_s"][31] - events["time_s"][30]) / 2
-    found = repair(counted(with_bounces(events, {30: halfway})))
-    same(found.events, events)
-    assert table(found) == [row(events, missed=0, doubled=0, removed=1)]
+    repaired = repair(counted(with_bounces(events, {30: halfway})))
+    same(repaired.events, events)
+    assert table(repaired) == [row(events, missed=0, doubled=0, removed=1)]
 
 
 def test_repairing_twice_is_repairing_once():
@@ -180,9 +180,9 @@ def test_half_the_events_at_random_are_beyond_repair():
     wild = events["time_s"].to_numpy().copy()
     half = rng.choice(wild.size, wild.size // 2, replace=False)
     wild[half] = rng.uniform(wild[0], wild[-1], half.size)
-    found = repair(counted(events.assign(time_s=wild)))
-    assert found.events.empty
-    (only,) = table(found)
+    repaired = repair(counted(events.assign(time_s=wild)))
+    assert repaired.events.empty
+    (only,) = table(repaired)
     assert only["removed"] == len(events)
     assert not only["used"]
 
@@ -261,6 +261,6 @@ def board_with(extra_friction, seed, sigma_x):
 )
 def test_friction_that_is_not_constant_is_no_fault(extra, sigma_x):
     events = board_with(extra, 1, sigma_x)
-    found = repair(events)
-    assert table(found) == []
-    assert found.events is events
+    repaired = repair(events)
+    assert table(repaired) == []
+    assert repaired.events is events

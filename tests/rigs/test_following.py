@@ -21,22 +21,22 @@ def runs():
 
 def test_runs_that_are_followed_together_are_each_as_alone(monkeypatch):
     paths = list(runs())
-    batches = [len(one) for one in following._batches(paths, 100)]
+    batches = [len(batch) for batch in following._batches(paths, 100)]
     assert batches == [3]
 
     def rows(together):
-        whole = np.arange(sum(one.centres.size for one in together))
+        whole = np.arange(sum(path.centres.size for path in together))
         load = LoadMotions(together).load(whole, 2.0, {"play": 0.1 * LENGTHS["play"]}, 0.05)
         return load("play", 1.0, 0.004)
 
-    found = rows(paths)
-    alone = [rows([one]) for one in paths]
+    friction = rows(paths)
+    alone = [rows([path]) for path in paths]
     for part in range(2):
-        assert np.ptp(found[part]) > 0
-        assert np.array_equal(found[part], np.concatenate([one[part] for one in alone]))
+        assert np.ptp(friction[part]) > 0
+        assert np.array_equal(friction[part], np.concatenate([row[part] for row in alone]))
     monkeypatch.setattr(following, "AT_ONCE", 130_000)
-    assert [len(one) for one in following._batches(paths, 100)] == [1, 2]
-    assert all(np.array_equal(*pair) for pair in zip(found, rows(paths), strict=True))
+    assert [len(batch) for batch in following._batches(paths, 100)] == [1, 2]
+    assert all(np.array_equal(*pair) for pair in zip(friction, rows(paths), strict=True))
 
 
 def test_a_long_path_is_followed_in_parts_as_it_is_in_one(monkeypatch):
@@ -55,9 +55,9 @@ def test_a_long_path_is_followed_in_parts_as_it_is_in_one(monkeypatch):
 
     parted = {held: rows(held) for held in ("play", "spring")}
     monkeypatch.setattr(following, "LONG", 10**9)
-    for held, found in parted.items():
+    for held, friction in parted.items():
         whole = rows(held)
-        assert np.std(found - whole) < 0.01 * np.std(whole)
+        assert np.std(friction - whole) < 0.01 * np.std(whole)
 
 
 def test_of_many_paths_some_are_followed_evenly_in_rows_of_their_own():

@@ -85,41 +85,41 @@ def test_a_group_given_the_rest_is_a_ratio_of_densities(rank, shared):
 @pytest.mark.parametrize(("rank", "shared"), SHAPES)
 def test_a_measurement_given_the_rest_is_a_ratio_of_densities(rank, shared):
     noise = covariance(rank, shared)
-    expected = [given_the_rest(noise, np.array([one])) for one in range(6)]
+    expected = [given_the_rest(noise, np.array([index])) for index in range(6)]
     assert normal(rank, shared).single_log_density()[0] == pytest.approx(expected, abs=1e-11)
 
 
 @pytest.mark.parametrize(("rank", "shared"), SHAPES)
 def test_the_probability_of_less_is_that_of_the_conditional_normal(rank, shared):
     noise, expected = covariance(rank, shared), []
-    for one in range(6):
-        rest = np.setdiff1d(np.arange(6), [one])
-        gain = noise[one, rest] @ np.linalg.inv(noise[np.ix_(rest, rest)])
-        sd = np.sqrt(noise[one, one] - gain @ noise[rest, one])
-        expected.append(stats.norm.cdf((RESIDUAL[one] - gain @ RESIDUAL[rest]) / sd))
-    found = normal(rank, shared)
-    assert found.single_cdf()[0] == pytest.approx(expected, abs=1e-11)
-    assert found.single_cdf(-1.0)[0] == pytest.approx(1 - np.array(expected), abs=1e-11)
+    for index in range(6):
+        rest = np.setdiff1d(np.arange(6), [index])
+        gain = noise[index, rest] @ np.linalg.inv(noise[np.ix_(rest, rest)])
+        sd = np.sqrt(noise[index, index] - gain @ noise[rest, index])
+        expected.append(stats.norm.cdf((RESIDUAL[index] - gain @ RESIDUAL[rest]) / sd))
+    grouped = normal(rank, shared)
+    assert grouped.single_cdf()[0] == pytest.approx(expected, abs=1e-11)
+    assert grouped.single_cdf(-1.0)[0] == pytest.approx(1 - np.array(expected), abs=1e-11)
 
 
-def many_of(one, count):
+def many_of(grouped, count):
     """Return the same density so many times over."""
     repeated = {
-        name: np.repeat(getattr(one, name), count, axis=0) for name in ("residual", "variance")
+        name: np.repeat(getattr(grouped, name), count, axis=0) for name in ("residual", "variance")
     }
-    return replace(one, **repeated, moved=np.repeat(one.moved, count, axis=1))
+    return replace(grouped, **repeated, moved=np.repeat(grouped.moved, count, axis=1))
 
 
 @pytest.mark.parametrize(("rank", "shared"), SHAPES)
 def test_a_measurement_made_again_is_the_conditional_normal(rank, shared):
     noise = covariance(rank, shared)
     again = RESIDUAL + many_of(normal(rank, shared), 20_000).draw_again(np.random.default_rng(3))
-    for one in range(6):
-        rest = np.setdiff1d(np.arange(6), [one])
-        gain = noise[one, rest] @ np.linalg.inv(noise[np.ix_(rest, rest)])
-        sd = np.sqrt(noise[one, one] - gain @ noise[rest, one])
+    for index in range(6):
+        rest = np.setdiff1d(np.arange(6), [index])
+        gain = noise[index, rest] @ np.linalg.inv(noise[np.ix_(rest, rest)])
+        sd = np.sqrt(noise[index, index] - gain @ noise[rest, index])
         expected = stats.norm(gain @ RESIDUAL[rest], sd)
-        assert stats.kstest(again[:, one], expected.cdf).pvalue > 1e-3
+        assert stats.kstest(again[:, index], expected.cdf).pvalue > 1e-3
 
 
 @pytest.mark.nightly
@@ -141,28 +141,28 @@ def test_a_student_measurement_made_again_against_quadrature(rank):
 
 @pytest.mark.parametrize(("rank", "shared"), SHAPES)
 def test_drawn_residuals_have_the_covariance(rank, shared):
-    one = normal(rank, shared)
-    many = 100_000
+    grouped = normal(rank, shared)
+    count = 100_000
     whole = GroupedNormal(
         GROUPS,
-        np.zeros((many, 6)),
-        np.tile(VARIANCE, (many, 1)),
-        np.repeat(one.moved, many, axis=1),
-        one.columns,
+        np.zeros((count, 6)),
+        np.tile(VARIANCE, (count, 1)),
+        np.repeat(grouped.moved, count, axis=1),
+        grouped.columns,
     )
     drawn = whole.drawn(np.random.default_rng(1)).residual
     expected = covariance(rank, shared)
     # The sd of an entry is √((c_ij² + c_ii c_jj) / draws).
-    sd = np.sqrt((expected**2 + np.outer(np.diag(expected), np.diag(expected))) / many)
-    assert np.abs((drawn.T @ drawn / many - expected) / sd).max() < 4.5
+    sd = np.sqrt((expected**2 + np.outer(np.diag(expected), np.diag(expected))) / count)
+    assert np.abs((drawn.T @ drawn / count - expected) / sd).max() < 4.5
 
 
 def test_walkers_are_independent_rows():
-    one, scale = normal(2, True), np.array([[1.0], [1.3]])
+    grouped, scale = normal(2, True), np.array([[1.0], [1.3]])
     both = GroupedNormal(
-        GROUPS, scale * RESIDUAL, scale * VARIANCE, np.stack(2 * [MOVED], axis=1), one.columns
+        GROUPS, scale * RESIDUAL, scale * VARIANCE, np.stack(2 * [MOVED], axis=1), grouped.columns
     )
-    assert both.log_density()[0] == pytest.approx(one.log_density()[0], abs=1e-12)
+    assert both.log_density()[0] == pytest.approx(grouped.log_density()[0], abs=1e-12)
     assert both.log_density()[1] != both.log_density()[0]
 
 
@@ -192,8 +192,8 @@ def test_a_form_of_multiples_of_two_vectors(count):
     taken[: 5 - count, : 5 - count] = np.eye(5 - count)
     taken[5 - count :, 5 - count :] = vectors
     form = gram(list(columns), np.ones(9), np.sum)
-    found = contract(form[:, None, None], tuple(vectors[..., None, None]))
-    assert matrices(found)[0, 0] == pytest.approx(taken @ whole @ taken.T, rel=1e-12)
+    contracted = contract(form[:, None, None], tuple(vectors[..., None, None]))
+    assert matrices(contracted)[0, 0] == pytest.approx(taken @ whole @ taken.T, rel=1e-12)
 
 
 def student(rank, freedom):
@@ -220,17 +220,17 @@ def by_quadrature(rows, rank, freedom, of=None):
 def test_a_student_group_against_quadrature(rank, freedom):
     rows = ([0, 1, 2], [3, 4], [5])
     expected = [np.log(by_quadrature(row, rank, freedom)) for row in rows]
-    found = student(rank, freedom).group_log_density()[0]
-    assert found == pytest.approx(expected, abs=1e-5)
+    density = student(rank, freedom).group_log_density()[0]
+    assert density == pytest.approx(expected, abs=1e-5)
 
 
 @pytest.mark.parametrize("rank", [1, 2])
 def test_a_student_measurement_given_the_rest_against_quadrature(rank):
-    found = student(rank, 4.0).single_log_density()[0]
+    densities = student(rank, 4.0).single_log_density()[0]
     whole, rest = by_quadrature([0, 1, 2], rank, 4.0), by_quadrature([0, 1], rank, 4.0)
-    assert found[2] == pytest.approx(np.log(whole / rest), abs=1e-4)
+    assert densities[2] == pytest.approx(np.log(whole / rest), abs=1e-4)
     # A measurement alone in its group has no rest: its density is the group's.
-    assert found[5] == pytest.approx(np.log(by_quadrature([5], rank, 4.0)), abs=1e-4)
+    assert densities[5] == pytest.approx(np.log(by_quadrature([5], rank, 4.0)), abs=1e-4)
 
 
 @pytest.mark.parametrize("rank", [1, 2])
@@ -242,30 +242,30 @@ def test_a_student_probability_of_less_against_quadrature(rank):
         4.0,
         lambda numbers: stats.t.cdf((RESIDUAL[2] - MOVED[:rank, 2] @ numbers) / scale, 4.0),
     )
-    found = student(rank, 4.0).single_cdf()[0]
-    assert found[2] == pytest.approx(below / by_quadrature([0, 1], rank, 4.0), abs=1e-5)
+    probability = student(rank, 4.0).single_cdf()[0]
+    assert probability[2] == pytest.approx(below / by_quadrature([0, 1], rank, 4.0), abs=1e-5)
 
 
 @pytest.mark.parametrize("rank", [1, 2])
 def test_a_student_with_many_degrees_of_freedom_is_normal(rank):
     # The t differs from the normal by O(1/ν): at ν = 1e6 by some 1e-6 a measurement.
-    many, one = student(rank, 1e6), normal(rank, False)
-    assert many.group_log_density() == pytest.approx(one.group_log_density(), abs=1e-4)
-    assert many.single_log_density() == pytest.approx(one.single_log_density(), abs=1e-4)
-    assert many.single_cdf() == pytest.approx(one.single_cdf(), abs=1e-4)
+    student_t, gaussian = student(rank, 1e6), normal(rank, False)
+    assert student_t.group_log_density() == pytest.approx(gaussian.group_log_density(), abs=1e-4)
+    assert student_t.single_log_density() == pytest.approx(gaussian.single_log_density(), abs=1e-4)
+    assert student_t.single_cdf() == pytest.approx(gaussian.single_cdf(), abs=1e-4)
 
 
 @pytest.mark.parametrize("rank", [1, 2])
 def test_the_numbers_of_a_group_without_each_measurement(rank):
     """By Bayes' theorem from the other measurements, by hand."""
     mean, spread = normal(rank, False).numbers_without_each()
-    for one in range(6):
-        rest = np.flatnonzero((GROUPS.of_each == GROUPS.of_each[one]) & (np.arange(6) != one))
+    for index in range(6):
+        rest = np.flatnonzero((GROUPS.of_each == GROUPS.of_each[index]) & (np.arange(6) != index))
         moved = MOVED[:rank, rest]
         expected = np.linalg.inv(np.eye(rank) + moved / VARIANCE[rest] @ moved.T)
-        assert spread[0, one] == pytest.approx(expected, rel=1e-10)
-        told = expected @ (moved / VARIANCE[rest] @ RESIDUAL[rest])
-        assert mean[0, one] == pytest.approx(told, rel=1e-10)
+        assert spread[0, index] == pytest.approx(expected, rel=1e-10)
+        pull = expected @ (moved / VARIANCE[rest] @ RESIDUAL[rest])
+        assert mean[0, index] == pytest.approx(pull, rel=1e-10)
 
 
 @pytest.mark.parametrize("rank", [1, 2])
@@ -274,7 +274,7 @@ def test_the_numbers_of_a_group_without_each_measurement(rank):
 def test_a_student_measurement_alone_against_quadrature(rank, scale, far):
     """Its group's numbers together move it by a normal deviate: an integral along one line."""
     moved = np.array([[0.6, 0.8], [0.8, 0.6]])[2 - rank :, :1, None] / (1.0 if rank == 2 else 0.8)
-    one = GroupedStudent(
+    alone = GroupedStudent(
         Groups(np.array([0]), 1), np.array([[far * scale]]), np.array([[scale**2]]), moved, 4.0
     )
 
@@ -286,13 +286,13 @@ def test_a_student_measurement_alone_against_quadrature(rank, scale, far):
     edges = [-12.0, *sorted(place for place in peak if abs(place) < 12.0), 12.0]
     exact = sum(quad(density, *ends)[0] for ends in pairwise(edges))
     # The ends of the grid cut tails off that hold less than a half of a percent.
-    assert one.single_log_density()[0, 0] == pytest.approx(np.log(exact), abs=0.005)
+    assert alone.single_log_density()[0, 0] == pytest.approx(np.log(exact), abs=0.005)
 
 
 def test_a_student_measurement_that_tells_most():
     """Without it the group's number is as wide as its prior, and so has to be the grid."""
     variance = np.array([1.0, 1.0, (0.25 * MOVED[0, 2]) ** 2, *VARIANCE[3:]])
-    one = GroupedStudent(GROUPS, RESIDUAL[None], variance[None], MOVED[:1, None], 4.0)
+    grouped = GroupedStudent(GROUPS, RESIDUAL[None], variance[None], MOVED[:1, None], 4.0)
     whole = GroupedStudent(
         Groups(np.array([0]), 1),
         RESIDUAL[None, 2:3],
@@ -302,7 +302,7 @@ def test_a_student_measurement_that_tells_most():
     )
     # The others say next to nothing: it is as if it were alone.
     expected = whole.group_log_density()[0, 0]
-    assert one.single_log_density()[0, 2] == pytest.approx(expected, abs=2e-3)
+    assert grouped.single_log_density()[0, 2] == pytest.approx(expected, abs=2e-3)
 
 
 def test_numbers_that_rounding_leaves_unknown_are_nan():

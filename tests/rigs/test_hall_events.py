@@ -93,11 +93,11 @@ def by_quadrature(row, events, values, clock_sd_s, nodes=24):
     points = centre[:, None] + root @ u
     log_density = np.zeros(points.shape[1])
     rows = zip(tau, travel, columns, np.sign(per_second), strict=True)
-    for t, read, one, sign in rows:  # event by event: there are many nodes
+    for t, read, regressor, sign in rows:  # event by event: there are many nodes
         passed = t + 0.5 * sign * points[0] if both else t  # on the mean of both clocks
         v = points[-2] + points[-1] * passed
         moved = points[-2] * passed + points[-1] * passed**2 / 2
-        offset = one[both:-2] @ points[both:-2]
+        offset = regressor[both:-2] @ points[both:-2]
         log_density += np.log(v)
         sd = np.sqrt(values["sigma_x"] ** 2 + clock2 * v**2)
         log_density += normal_log_density(moved + offset - read, sd)
@@ -120,11 +120,11 @@ def by_quadrature(row, events, values, clock_sd_s, nodes=24):
 def test_one_trial_against_quadrature_over_all_nuisances(sensors, noise):
     recording = few_trials(1, 12, sensors=sensors)
     values = truth_by_name() | {"sigma_x": noise[0], "sigma_t": noise[1]}
-    found = likelihood_of(recording).setup_log_likelihood(one_point(values))[0, 0]
+    log_likelihood = likelihood_of(recording).setup_log_likelihood(one_point(values))[0, 0]
     row = recording.gravity.trials.iloc[0]
     prior = clock_sd_s(recording.rig)
     expected = by_quadrature(row, recording.gravity.events, values, prior)
-    assert found == pytest.approx(expected, abs=2e-3)
+    assert log_likelihood == pytest.approx(expected, abs=2e-3)
 
 
 @pytest.mark.usefixtures("every_clock_drawn")
@@ -133,8 +133,8 @@ def test_an_assembly_against_one_dense_normal():
     recording = few_trials(4, 15)
     values = truth_by_name() | {"tau": 0.02, "omega": 0.05}
     likelihood = likelihood_of(recording)
-    found = likelihood.setup_log_likelihood(one_point(values))
-    assert found.sum() == pytest.approx(dense_assembly(recording, values), abs=1e-5)
+    log_likelihood = likelihood.setup_log_likelihood(one_point(values))
+    assert log_likelihood.sum() == pytest.approx(dense_assembly(recording, values), abs=1e-5)
 
 
 @pytest.mark.usefixtures("every_clock_drawn")
@@ -150,12 +150,13 @@ def test_wander_and_scatter_of_the_intercept_against_one_dense_normal(third):
     recording = few_trials(4, 60)
     values = truth_by_name() | {"tau": 0.02, "omega": 0.05}
     likelihood = likelihood_of(recording)
-    without, found = (
-        likelihood.setup_log_likelihood(one_point(one)).sum() for one in (values, values | third)
+    without, wandering = (
+        likelihood.setup_log_likelihood(one_point(point)).sum()
+        for point in (values, values | third)
     )
-    plain, dense = (dense_assembly(recording, one) for one in (values, values | third))
+    plain, dense = (dense_assembly(recording, point) for point in (values, values | third))
     assert abs(dense - plain) > 0.1
-    assert found - without == pytest.approx(dense - plain, abs=1e-6)
+    assert wandering - without == pytest.approx(dense - plain, abs=1e-6)
 
 
 def test_a_newton_along_a_cosine_adds_its_double_integral():
@@ -191,19 +192,19 @@ def test_a_newton_along_a_cosine_adds_its_double_integral():
 
 def test_the_wander_has_its_rms_and_its_correlation():
     """Of many cosines against the Matérn form, away from the ends of the interval."""
-    length, place, many = 0.05, np.linspace(0.25, 0.75, 101), 64
-    variance = cosine_variances(length, many)
+    length, place, count = 0.05, np.linspace(0.25, 0.75, 101), 64
+    variance = cosine_variances(length, count)
     assert variance.sum() == pytest.approx(1.0, abs=1e-12)
-    shapes = cosines(place, many)
+    shapes = cosines(place, count)
     covariance = (shapes * variance[:, None]).T @ shapes
     apart = np.sqrt(3) * np.abs(place - 0.5) / length
     matern = (1 + apart) * np.exp(-apart)
     # Without its mean over the interval, and with what is reflected at the ends.
     assert covariance[50] / covariance[50, 50] == pytest.approx(matern, abs=0.15)
     assert np.diff(covariance[50, 50:]).max() < 0
-    middle = cosines((np.arange(1000) + 0.5) / 1000, many)
-    assert middle.mean(axis=1) == pytest.approx(np.zeros(many), abs=1e-12)
-    assert (middle**2).mean(axis=1) == pytest.approx(np.ones(many), abs=1e-9)
+    middle = cosines((np.arange(1000) + 0.5) / 1000, count)
+    assert middle.mean(axis=1) == pytest.approx(np.zeros(count), abs=1e-12)
+    assert (middle**2).mean(axis=1) == pytest.approx(np.ones(count), abs=1e-9)
 
 
 def dense_assembly(recording, values):
@@ -239,7 +240,7 @@ def dense_assembly(recording, values):
         log_factor += np.log(speed).sum() - 2 * np.log(SPACING)
         log_factor += stats.halfnorm.logpdf(pilot[2])
     covariance = np.diag(np.concatenate(noise))
-    covariance += linalg.block_diag(*(np.outer(one, one) for one in late))
+    covariance += linalg.block_diag(*(np.outer(column, column) for column in late))
     covariance += values["omega"] ** 2 * np.outer(*2 * [np.concatenate(loads)])
     covariance += values["omega_intercept"] ** 2 * np.outer(*2 * [np.concatenate(intercepts)])
     covariance += linalg.block_diag(
@@ -311,8 +312,10 @@ def test_clock_rounding_adds_its_own_variance():
     rounded = likelihood_of(dataclasses.replace(recording, rig=coarse))
     values = truth_by_name()
     same = values | {"sigma_t": np.sqrt(values["sigma_t"] ** 2 + (40e-6**2 - TICK**2) / 12)}
-    found = rounded.setup_log_likelihood(one_point(values))
-    assert found == pytest.approx(likelihood.setup_log_likelihood(one_point(same)), abs=1e-6)
+    log_likelihood = rounded.setup_log_likelihood(one_point(values))
+    assert log_likelihood == pytest.approx(
+        likelihood.setup_log_likelihood(one_point(same)), abs=1e-6
+    )
 
 
 @pytest.mark.parametrize("ratio", [1e-4, 1e-2, 0.3, 0.67, 5.0, 300.0])
@@ -330,9 +333,11 @@ def test_table_agrees_with_a_direct_solution(ratio):
     variance = sigma_x**2 + (sigma_t**2 + TICK**2 / 12) * speed**2
     information = columns.T @ (columns / variance[:, None])
     fit = np.linalg.solve(information, columns.T @ (travel / variance))
-    found = events_table(recording).at(np.array([sigma_x]), np.array([sigma_t])).acceleration()
-    assert found.mean[0, 0] == pytest.approx(fit[3], rel=1e-9)
-    assert found.variance[0, 0] == pytest.approx(np.linalg.inv(information)[3, 3], rel=1e-6)
+    acceleration = (
+        events_table(recording).at(np.array([sigma_x]), np.array([sigma_t])).acceleration()
+    )
+    assert acceleration.mean[0, 0] == pytest.approx(fit[3], rel=1e-9)
+    assert acceleration.variance[0, 0] == pytest.approx(np.linalg.inv(information)[3, 3], rel=1e-6)
 
 
 def test_statistics_between_the_nodes_are_those_of_the_events():
@@ -344,14 +349,14 @@ def test_statistics_between_the_nodes_are_those_of_the_events():
     # Of a scale of 1 m, beside which the clock's tick is nothing.
     sigma_x = 1 / np.sqrt(1 + np.exp(2 * log_ratio))
     sigma_t = np.exp(log_ratio) * sigma_x / table.typical_speed
-    found = table.at(sigma_x, sigma_t)
+    statistics = table.at(sigma_x, sigma_t)
     exact = table.statistics(log_ratio)
     size = np.abs(exact).max(axis=0)
-    form = np.moveaxis(found.triangle, 0, 1)
+    form = np.moveaxis(statistics.triangle, 0, 1)
     assert (np.abs(form - exact[:, :-1]) / size[:-1]).max() < 1e-8
     at_scale = table.constant - 0.5 * table.degrees_of_freedom * np.log(2 * np.pi)
     expected = at_scale - 0.5 * exact[:, -1]
-    assert np.abs(found.log_constant - expected).max() < 1e-5
+    assert np.abs(statistics.log_constant - expected).max() < 1e-5
 
 
 def test_numbers_are_integrated_out_walker_by_walker():
@@ -367,12 +372,12 @@ def test_numbers_are_integrated_out_walker_by_walker():
     motions = [[*rng.standard_normal((1 + MODES, 7, 4)), end] for end in (0.0, -1.0)]
     together = table.at(sigma_x, sigma_t, variances, motions)
     for walker in range(7):
-        one = slice(walker, walker + 1)
+        row = slice(walker, walker + 1)
         alone = table.at(
-            sigma_x[one],
-            sigma_t[one],
-            [variance[one] for variance in variances],
-            [[*(x[one] for x in motion[:-1]), motion[-1]] for motion in motions],
+            sigma_x[row],
+            sigma_t[row],
+            [variance[row] for variance in variances],
+            [[*(x[row] for x in motion[:-1]), motion[-1]] for motion in motions],
         )
         assert together.triangle[:, walker] == pytest.approx(alone.triangle[:, 0], rel=1e-9)
         assert together.log_constant[walker] == pytest.approx(alone.log_constant[0], rel=1e-9)

@@ -54,30 +54,34 @@ def test_density_of_an_assembly(rank, freedom):
 
 
 def test_a_trial_given_the_rest_of_its_assembly():
-    found = heavy(1, 3.0)
-    for one, other in ((2, 3), (3, 2), (0, 1)):
-        both, rest = by_quadrature([one, other], 1, 3.0), by_quadrature([other], 1, 3.0)
-        assert found.single_log_density()[0, one] == pytest.approx(np.log(both / rest), abs=2e-4)
-        sd = np.sqrt(VARIANCE[one])
+    grouped = heavy(1, 3.0)
+    for index, other in ((2, 3), (3, 2), (0, 1)):
+        both, rest = by_quadrature([index, other], 1, 3.0), by_quadrature([other], 1, 3.0)
+        assert grouped.single_log_density()[0, index] == pytest.approx(
+            np.log(both / rest), abs=2e-4
+        )
+        sd = np.sqrt(VARIANCE[index])
         below = by_quadrature(
             [other],
             1,
             3.0,
-            lambda x, one=one, sd=sd: stats.norm.cdf((RESIDUAL[one] - MOVED[0, one] * x[0]) / sd),
+            lambda x, index=index, sd=sd: stats.norm.cdf(
+                (RESIDUAL[index] - MOVED[0, index] * x[0]) / sd
+            ),
         )
-        assert found.single_cdf()[0, one] == pytest.approx(below / rest, abs=2e-4)
+        assert grouped.single_cdf()[0, index] == pytest.approx(below / rest, abs=2e-4)
 
 
 def test_a_trial_made_again_is_below_as_often_as_its_probability_says():
-    found = heavy(2, 3.0, copies=20_000)
-    less = (found.draw_again(np.random.default_rng(3)) < 0).mean(axis=0)
+    grouped = heavy(2, 3.0, copies=20_000)
+    less = (grouped.draw_again(np.random.default_rng(3)) < 0).mean(axis=0)
     assert less == pytest.approx(heavy(2, 3.0).single_cdf()[0], abs=0.015)
 
 
 def test_many_degrees_of_freedom_are_normal():
     normal = GroupedNormal(GROUPS, RESIDUAL[None], VARIANCE[None], MOVED[:, None])
-    found = heavy(2, 1e5).group_log_density()[0]
-    assert found[[0, 2]] == pytest.approx(normal.group_log_density()[0, [0, 2]], abs=1e-3)
+    log_density = heavy(2, 1e5).group_log_density()[0]
+    assert log_density[[0, 2]] == pytest.approx(normal.group_log_density()[0, [0, 2]], abs=1e-3)
 
 
 def test_the_fit_uses_it(small_recording):
@@ -90,7 +94,10 @@ def test_the_fit_uses_it(small_recording):
         "omega": np.array([1e-3]),
         "omega_intercept": np.array([1e-3]),
     }
-    gain = {name: one.setup_log_likelihood(theta)[0].min() for name, one in likelihoods.items()}
+    gain = {
+        name: likelihood.setup_log_likelihood(theta)[0].min()
+        for name, likelihood in likelihoods.items()
+    }
     assert gain["t"] > gain["normal"] + 5
     far = likelihoods["t"].draw_scatter(
         {name: np.repeat(value, 4000) for name, value in theta.items()}

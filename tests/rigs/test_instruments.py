@@ -31,14 +31,14 @@ def rows(seed, *, error=0.0, looped=0.0, count=600):
 
 @pytest.mark.parametrize("wrong", [{"error": 3.0}, {"looped": 100.0}], ids=["encoder", "loop"])
 def test_what_bends_least_squares_does_not_bend_the_instrument(wrong):
-    found = compared(*rows(1, **wrong))
-    assert found.alarms
-    assert found.p_value < 1e-6
-    assert abs(found.ordinary["inertia"].value / 0.06 - 1) > 0.05
+    comparison = compared(*rows(1, **wrong))
+    assert comparison.alarms
+    assert comparison.p_value < 1e-6
+    assert abs(comparison.ordinary["inertia"].value / 0.06 - 1) > 0.05
     for name, true in TRUTH.items():
-        number = found.instrumental[name]
+        number = comparison.instrumental[name]
         assert abs(number.value - true) < 3 * number.error
-    assert found.instrumental["inertia"].value == pytest.approx(0.06, rel=0.03)
+    assert comparison.instrumental["inertia"].value == pytest.approx(0.06, rel=0.03)
 
 
 def test_where_nothing_is_wrong_the_alarm_is_as_rare_as_it_says():
@@ -97,10 +97,10 @@ def test_a_looped_joint_has_its_figure():
     """Counts of 1e-2 rad in the loop: the instrument is as near the truth as its error says."""
     joint = LoopedJoint(count=1e-2, stiffness=20.0, damping=0.8, gravity=0.0)
     law = Coefficients(joint.inertia, joint.coulomb, joint.viscous)
-    found = AXIS.trials(joint.recording()).instrument((), {"axis": law})
-    assert found.kind == "earlier motion"
-    assert found.strength > 10
-    number = found.numbers["inertia"]
+    comparison = AXIS.trials(joint.recording()).instrument((), {"axis": law})
+    assert comparison.kind == "earlier motion"
+    assert comparison.strength > 10
+    number = comparison.numbers["inertia"]
     assert abs(number.instrumental - joint.inertia) < 3 * number.instrumental_se
 
 
@@ -118,9 +118,9 @@ def test_a_delay_that_acts_takes_the_place_of_the_clocks():
 def test_an_effect_that_is_a_number_of_the_law_is_told_by_the_instrument(place, name, law):
     """Drag as a share of Coulomb friction, where the law has none: its column is the speed's."""
     force, columns, instruments, piece = rows(1)
-    found = compared(
+    comparison = compared(
         force, np.column_stack([columns, 0.2 * columns[:, place]]), instruments, piece, (name,)
     )
-    instrumental, ordinary = found.effects[name]
-    assert instrumental.value == pytest.approx(found.instrumental[law].value / 0.2)
-    assert ordinary.error == pytest.approx(found.ordinary[law].error / 0.2)
+    instrumental, ordinary = comparison.effects[name]
+    assert instrumental.value == pytest.approx(comparison.instrumental[law].value / 0.2)
+    assert ordinary.error == pytest.approx(comparison.ordinary[law].error / 0.2)

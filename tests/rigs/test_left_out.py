@@ -40,7 +40,7 @@ def slow(time):
     return 0.2 * np.sin(0.8 * time)
 
 
-def told(recording, tmp_path, verb):
+def stderr_of(recording, tmp_path, verb):
     """Return what a verb says, on both streams."""
     folder = tmp_path / "joint"
     if not folder.exists():
@@ -62,7 +62,7 @@ CASES = {
 @pytest.mark.parametrize("verb", ["validate", "fit", "diagnose"])
 def test_a_run_that_does_not_enter_is_told_why(tmp_path, case, verb):
     recording, said = CASES[case]
-    text = told(recording, tmp_path, verb)
+    text = stderr_of(recording, tmp_path, verb)
     assert "axis_samples.csv: expected a run that can be used" in text
     assert said in text
 
@@ -100,19 +100,19 @@ def test_a_run_without_another_joint_is_told_with_that_joint(logged, told_of):
 
 
 def test_a_log_that_enters_says_nothing(tmp_path):
-    assert told(joint(slow), tmp_path, "validate") == ""
+    assert stderr_of(joint(slow), tmp_path, "validate") == ""
 
 
 def test_commands_that_never_change_tell_nothing(tmp_path):
     recording = joint(lambda time: 0 * time, command_m=0.0)
     samples = recording.axis.samples.drop(columns="force_n")
     recording = replace(recording, axis=replace(recording.axis, samples=samples))
-    assert "never shows which way the axis runs" in told(recording, tmp_path, "fit")
+    assert "never shows which way the axis runs" in stderr_of(recording, tmp_path, "fit")
 
 
 def test_a_known_force_of_nothing_and_a_clock_that_agrees_change_nothing(tmp_path):
     recording = joint(slow, known_force_n=0.0, force_time_s=lambda log: log.time_s, joint="q1")
-    assert "left out" not in told(recording, tmp_path, "validate")
+    assert "left out" not in stderr_of(recording, tmp_path, "validate")
 
 
 def test_a_trial_of_the_board_that_a_rule_leaves_out_is_told(small_recording, tmp_path):

@@ -24,10 +24,10 @@ def by_least_squares(trials):
     columns = np.column_stack([rows.coefficient_columns(), rows.nuisance_columns()])
     force = trials.readings.force
     fitted = np.linalg.lstsq(columns, force, rcond=None)[0]
-    told = {
+    shared = {
         name: of_one * fitted[3 + at] for name, (at, _, of_one) in trials.shared_numbers.items()
     }
-    return dict(zip(("inertia", "coulomb", "viscous"), fitted[:3], strict=True)) | told
+    return dict(zip(("inertia", "coulomb", "viscous"), fitted[:3], strict=True)) | shared
 
 
 def test_a_swing_or_two_tell_inertia_beside_gravity():

@@ -38,15 +38,15 @@ def test_a_command_is_integrated_as_it_is_held(jitter):
     sent = np.sin(9 * time) + 0.5 * rng.standard_normal(400)
     log = even_grid(time, {"position": time, "force": sent}, steps=True)
     test, centres = bump(12, log.interval_s), np.arange(20, 380, 9)
-    found = test.over(log.force, test.value, centres)
+    averages = test.over(log.force, test.value, centres)
     fine = np.linspace(-1, 1, 40001)
     weight = (1 - fine**2) ** 3
     width = 13 * log.interval_s
     expected = [
-        np.average(stepped(time, sent, log.time_s[one] + width * fine), weights=weight)
-        for one in centres
+        np.average(stepped(time, sent, log.time_s[centre] + width * fine), weights=weight)
+        for centre in centres
     ]
-    np.testing.assert_allclose(found, expected, atol=0.012)  # half a sample late: 0.05
+    np.testing.assert_allclose(averages, expected, atol=0.012)  # half a sample late: 0.05
 
 
 def test_commands_at_100_hz_and_jitter_leave_the_law_as_it_is():
@@ -90,9 +90,9 @@ def late_rows(samples, share=0.1, seed=3):
 
 def test_rows_that_came_too_late_are_found_and_counted():
     samples, again = late_rows(LoopedJoint(sampled_hz=200.0, closed=False).samples())
-    found = stale(samples["position_m"].to_numpy(), samples["force_n"].to_numpy())
-    assert (found == again).mean() > 0.99
-    assert f"{found.sum():,} of 3,000 rows repeat the one before" in released(samples, None)[1]
+    repeats = stale(samples["position_m"].to_numpy(), samples["force_n"].to_numpy())
+    assert (repeats == again).mean() > 0.99
+    assert f"{repeats.sum():,} of 3,000 rows repeat the one before" in released(samples, None)[1]
     for coarse in (LoopedJoint(count=1e-2, closed=False), LoopedJoint(count=1e-3)):
         log = coarse.samples()
         assert not stale(log["position_m"].to_numpy(), log["force_n"].to_numpy()).any()

@@ -36,11 +36,11 @@ def test_ball_rejects_friction_in_proportion_to_load(proportional):
 
 @pytest.mark.xfail(strict=True, reason="16 points do not tell a constant from a curve")
 def test_ball_names_the_constant(proportional):
-    assert [one.effect for one in proportional.causes] == ["fixed-drag"]
+    assert [cause.effect for cause in proportional.causes] == ["fixed-drag"]
 
 
 def test_with_the_constant_no_cause_is_named_falsely(line):
-    assert {one.effect for one in line.causes} <= {"tension-curvature"}
+    assert {cause.effect for cause in line.causes} <= {"tension-curvature"}
     assert set(line.probabilities) == {"none", "unknown", "tension-curvature"}
 
 
@@ -50,8 +50,8 @@ def test_ball_finds_the_curvature(line):
 
 
 def test_johnson_needs_what_grows_with_acceleration():
-    found = diagnosed("johnson-atwood")
-    assert found.verdict == "named"
-    (alike,) = (one for one in found.unseparated if found.causes[0].effect in one.effects)
-    assert "pulley-inertia" in {found.causes[0].effect, *alike.effects}
-    assert len(found.causes) == 1
+    summary = diagnosed("johnson-atwood")
+    assert summary.verdict == "named"
+    (alike,) = (group for group in summary.unseparated if summary.causes[0].effect in group.effects)
+    assert "pulley-inertia" in {summary.causes[0].effect, *alike.effects}
+    assert len(summary.causes) == 1

@@ -97,10 +97,10 @@ def test_mixed_trials_put_each_in_its_place(small_recording):
     )
     kept = gravity.events[~gravity.events["trial"].isin(trials["trial"][replaced])]
     mixed = gravity_likelihood(Gravity(trials, kept), small_recording.rig, Analysis())
-    found = mixed.model.observed(THETA)
+    observed = mixed.model.observed(THETA)
     # The clock's typical speed, which splits scale from ratio, differs: not the results.
-    assert found[0][0] == pytest.approx(friction, rel=1e-9)
-    assert found[1][0] == pytest.approx(variance, rel=1e-7)
+    assert observed[0][0] == pytest.approx(friction, rel=1e-9)
+    assert observed[1][0] == pytest.approx(variance, rel=1e-7)
 
 
 def test_events_win_where_both_are_there(small_recording):
@@ -149,23 +149,23 @@ def test_trials_made_again_share_their_assembly_and_have_their_error():
     likelihood = gravity_likelihood(
         accelerations([0.003, 0.01, 0.002, 0.02]), RigConstants(), Analysis()
     )
-    many = {name: np.repeat(value, 20_000) for name, value in THETA.items()}
+    thetas = {name: np.repeat(value, 20_000) for name, value in THETA.items()}
     rng = np.random.default_rng(2)
-    deviation = likelihood.draw_scatter(many, rng, together=True)
+    deviation = likelihood.draw_scatter(thetas, rng, together=True)
     same = np.kron(np.eye(2), np.ones((2, 2)))
     expected = 0.03**2 * same + 0.02**2 * np.eye(4)
     assert np.cov(deviation.T) == pytest.approx(expected, abs=0.04 * 0.03**2)
-    apart = likelihood.draw_scatter(many, rng)
+    apart = likelihood.draw_scatter(thetas, rng)
     assert np.cov(apart.T) == pytest.approx((0.03**2 + 0.02**2) * np.eye(4), abs=0.04 * 0.03**2)
-    shown = likelihood.draw_observed(many, np.zeros((20_000, 4)), rng)
+    shown = likelihood.draw_observed(thetas, np.zeros((20_000, 4)), rng)
     mass = likelihood.model.condition.total_mass_kg
     assert shown.std(axis=0) == pytest.approx(mass * [0.003, 0.01, 0.002, 0.02], rel=0.03)
     law = board_friction(table1_coefficients()["medium"], likelihood.model.condition)
     assert shown.mean(axis=0) == pytest.approx(law, abs=2e-3)
-    further = likelihood.draw_observed(many, np.full((20_000, 4), 0.5), rng)
+    further = likelihood.draw_observed(thetas, np.full((20_000, 4), 0.5), rng)
     assert further.mean(axis=0) == pytest.approx(1.5 * law, abs=2e-3)
     # Made again with the same parameters, a trial lies anywhere among what they make likely.
-    below = likelihood.draw_trial_cdf(many, rng)
+    below = likelihood.draw_trial_cdf(thetas, rng)
     for trial in range(4):
         assert stats.kstest(below[:, trial], "uniform").pvalue > 1e-3
 
@@ -175,8 +175,8 @@ def test_a_trial_made_again_follows_the_other_of_its_assembly():
     sd = np.array([0.003, 0.01, 0.002, 0.02])
     gravity = accelerations(list(sd))
     likelihood = gravity_likelihood(gravity, RigConstants(), Analysis())
-    many = {name: np.repeat(value, 20_000) for name, value in THETA.items()}
-    more = likelihood.given_rest(many, np.random.default_rng(2)).more
+    thetas = {name: np.repeat(value, 20_000) for name, value in THETA.items()}
+    more = likelihood.given_rest(thetas, np.random.default_rng(2)).more
     condition = likelihood.model.condition
     law, mass = board_friction(table1_coefficients()["medium"], condition), condition.total_mass_kg
     shown = condition.drive_force_n - mass * gravity.trials["acceleration_m_s2"].to_numpy()

@@ -68,7 +68,7 @@ def test_probability_of_less_friction_of_a_run_given_all_other_currents():
     motor = board()
     current, mean, covariance = dense(motor, VALUES)
     likelihood = motor_likelihood(motor, RIG, Analysis())
-    found = dict(
+    probabilities = dict(
         zip(likelihood.trials["trial"], likelihood.given_rest(theta()).trial_cdf[0], strict=True)
     )
     for place, run in enumerate(motor.runs["run"]):
@@ -77,7 +77,7 @@ def test_probability_of_less_friction_of_a_run_given_all_other_currents():
         variance = covariance[place, place] - gain @ covariance[rest, place]
         z = (current[place] - mean[place] - gain @ (current - mean)[rest]) / np.sqrt(variance)
         sign = np.sign(motor.runs["velocity_m_s"][place])
-        assert found[run] == pytest.approx(stats.norm.cdf(sign * z), abs=1e-6), run
+        assert probabilities[run] == pytest.approx(stats.norm.cdf(sign * z), abs=1e-6), run
 
 
 def test_a_run_made_again_shows_the_friction_of_its_conditional_current():
@@ -85,11 +85,11 @@ def test_a_run_made_again_shows_the_friction_of_its_conditional_current():
     motor = board()
     current, mean, covariance = dense(motor, VALUES)
     likelihood = motor_likelihood(motor, RIG, Analysis())
-    many = {name: np.full(4000, value) for name, value in VALUES.items()}
-    found = dict(
+    thetas = {name: np.full(4000, value) for name, value in VALUES.items()}
+    friction = dict(
         zip(
             likelihood.trials["trial"],
-            likelihood.given_rest(many, np.random.default_rng(3)).more.T,
+            likelihood.given_rest(thetas, np.random.default_rng(3)).more.T,
             strict=True,
         )
     )
@@ -100,23 +100,23 @@ def test_a_run_made_again_shows_the_friction_of_its_conditional_current():
         middle = mean[place] + gain @ (current - mean)[rest] - current[place]
         newtons = 0.0259 * VALUES["torque_constant_factor"] / 0.0065
         expected = stats.norm(newtons * middle, newtons * sd)
-        assert stats.kstest(found[run], expected.cdf).pvalue > 1e-3, run
+        assert stats.kstest(friction[run], expected.cdf).pvalue > 1e-3, run
 
 
 def test_probabilities_of_recordings_made_again_are_uniform_and_dependent():
     """Scores of a normal given the rest have the covariance D^-1/2 Σ^-1 D^-1/2."""
     motor = board()
     likelihood = motor_likelihood(motor, RIG, Analysis())
-    many = {name: np.full(4000, value) for name, value in VALUES.items()}
-    found = likelihood.draw_trial_cdf(many, np.random.default_rng(3))
-    for run in found.T:
+    thetas = {name: np.full(4000, value) for name, value in VALUES.items()}
+    probabilities = likelihood.draw_trial_cdf(thetas, np.random.default_rng(3))
+    for run in probabilities.T:
         assert stats.kstest(run, "uniform").pvalue > 1e-3
     precision = np.linalg.inv(dense(motor, VALUES)[2])[:7, :7]
     scale = np.sqrt(np.diag(precision))
     sign = np.sign(motor.runs["velocity_m_s"].to_numpy())
     expected = precision / np.outer(scale, scale) * np.outer(sign, sign)
     order = [list(motor.runs["run"]).index(run) for run in likelihood.trials["trial"]]
-    correlation = np.corrcoef(stats.norm.ppf(found).T)
+    correlation = np.corrcoef(stats.norm.ppf(probabilities).T)
     assert correlation == pytest.approx(expected[np.ix_(order, order)], abs=0.06)
 
 
@@ -124,8 +124,8 @@ def test_walkers_are_independent_rows():
     likelihood = motor_likelihood(board(), RIG, Analysis())
     other = {"torque_constant_factor": 0.97, "omega_motor": 0.01, "c1[medium]": 0.005}
     both = {
-        name: np.concatenate([one, two])
-        for (name, one), two in zip(theta().items(), theta(**other).values(), strict=True)
+        name: np.concatenate([first, two])
+        for (name, first), two in zip(theta().items(), theta(**other).values(), strict=True)
     }
     for density in ("log_likelihood", "setup_log_likelihood"):
         together = getattr(likelihood, density)(both)
@@ -141,8 +141,10 @@ def test_observed_friction_is_datas_formula():
     motor = board()
     speed = motor.idle["velocity_m_s"]
     motor.idle["current_a"] = np.sign(speed) * (0.05 + 0.01 * np.abs(speed))
-    found = motor_likelihood(motor, RIG, Analysis())
-    by_run = dict(zip(found.trials["trial"], found.model.observed(theta())[0], strict=True))
+    likelihood = motor_likelihood(motor, RIG, Analysis())
+    by_run = dict(
+        zip(likelihood.trials["trial"], likelihood.model.observed(theta())[0], strict=True)
+    )
     expected = 1.02 * 0.0259 * (2.33 + 0.05 + 0.004) / 0.0065 - 1.0 * 9.80665
     assert by_run["c"] == pytest.approx(expected, rel=1e-9)
 
@@ -194,14 +196,14 @@ def test_one_run_and_one_idle_current():
     motor = Motor(board().runs.iloc[:1], board().idle.iloc[:1])
     likelihood = motor_likelihood(motor, RIG, Analysis())
     noise = np.array([VALUES["sigma_current"], 1e-5, 1e-12])
-    found = likelihood.log_likelihood(
+    log_likelihood = likelihood.log_likelihood(
         {name: np.repeat(value, 3) for name, value in theta().items()} | {"sigma_current": noise}
     )
     for place in (0, 1):
         current, mean, covariance = dense(motor, VALUES | {"sigma_current": noise[place]})
         expected = log_density(current, mean, covariance, np.arange(current.size))
-        assert found[place] == pytest.approx(expected, abs=1e-4)
-    assert np.isnan(found[2])
+        assert log_likelihood[place] == pytest.approx(expected, abs=1e-4)
+    assert np.isnan(log_likelihood[2])
 
 
 def share_of_intercept(likelihood):
@@ -211,8 +213,8 @@ def share_of_intercept(likelihood):
 
 def test_new_runs_scatter_as_much_as_the_parameters_say():
     likelihood = motor_likelihood(board(), RIG, Analysis())
-    many = {name: np.repeat(value, 20_000) for name, value in theta().items()}
-    deviation = likelihood.draw_scatter(many, np.random.default_rng(1))
+    thetas = {name: np.repeat(value, 20_000) for name, value in theta().items()}
+    deviation = likelihood.draw_scatter(thetas, np.random.default_rng(1))
     expected = VALUES["tau_motor"] ** 2 + VALUES["omega_motor"] ** 2
     expected += (VALUES["omega_intercept_motor"] * share_of_intercept(likelihood)) ** 2
     assert deviation.shape == (20_000, 7)
@@ -221,8 +223,8 @@ def test_new_runs_scatter_as_much_as_the_parameters_say():
 
 def test_runs_of_an_assembly_made_again_move_together():
     likelihood = motor_likelihood(board(), RIG, Analysis())
-    many = {name: np.repeat(value, 20_000) for name, value in theta().items()}
-    deviation = likelihood.draw_scatter(many, np.random.default_rng(1), together=True)
+    thetas = {name: np.repeat(value, 20_000) for name, value in theta().items()}
+    deviation = likelihood.draw_scatter(thetas, np.random.default_rng(1), together=True)
     setup = likelihood.trials["setup"].to_numpy()
     same = setup[:, None] == setup
     share = share_of_intercept(likelihood)
@@ -234,10 +236,10 @@ def test_runs_of_an_assembly_made_again_move_together():
 
 def test_what_the_currents_show_has_their_noise_and_another_torque_constant():
     likelihood = motor_likelihood(board(), RIG, Analysis())
-    many = {name: np.repeat(value, 20_001) for name, value in theta().items()}
-    many["torque_constant_factor"][:7_000] *= 1.01  # the median stays
+    thetas = {name: np.repeat(value, 20_001) for name, value in theta().items()}
+    thetas["torque_constant_factor"][:7_000] *= 1.01  # the median stays
     deviation = np.full((20_001, 7), 0.1)
-    shown = likelihood.draw_observed(many, deviation, np.random.default_rng(1))
+    shown = likelihood.draw_observed(thetas, deviation, np.random.default_rng(1))
     per_newton = 0.0065 / (0.0259 * VALUES["torque_constant_factor"])
     weight = likelihood.model.condition.weight_n
     law = motor_friction(table1_coefficients()["medium"], likelihood.model.condition)
@@ -253,12 +255,12 @@ def test_what_the_currents_show_has_their_noise_and_another_torque_constant():
 def simulated(seed, truth, rigs=("motor",)):
     """The likelihoods of a simulated recording."""
     recording = simulate_recording("quick", seed=seed, truth=truth, rigs=rigs)
-    found = []
+    likelihoods = []
     if "gravity" in rigs:
         screened = screen_trials(recording.gravity, recording.rig)
-        found.append(gravity_likelihood(screened.gravity, recording.rig, Analysis()))
-    found.append(motor_likelihood(recording.motor, recording.rig, Analysis()))
-    return found
+        likelihoods.append(gravity_likelihood(screened.gravity, recording.rig, Analysis()))
+    likelihoods.append(motor_likelihood(recording.motor, recording.rig, Analysis()))
+    return likelihoods
 
 
 def values_of(truth):
@@ -301,12 +303,12 @@ def test_the_simulator_mirrors_the_likelihood():
 def posterior(likelihoods, truth):
     """Laplace: standardised error of each parameter, and the torque factor's sd."""
     model = Model(likelihoods)
-    found = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     values = values_of(truth) | {n: getattr(truth, n) for n in GRAVITY}
     at_truth = model.sampling(np.array([values[name] for name in model.names]))
-    error = (found.mode - at_truth) / np.sqrt(np.diag(found.covariance))
+    error = (laplace.mode - at_truth) / np.sqrt(np.diag(laplace.covariance))
     place = model.names.index("torque_constant_factor")
-    draws = np.random.default_rng(0).multivariate_normal(found.mode, found.covariance, 2000)
+    draws = np.random.default_rng(0).multivariate_normal(laplace.mode, laplace.covariance, 2000)
     return dict(zip(model.names, error, strict=True)), model.natural(draws)[:, place]
 
 
@@ -333,15 +335,15 @@ def test_both_boards_recover_a_torque_constant_three_per_cent_off(seed):
 def test_the_gravity_board_does_not_know_the_torque_constant():
     """Its data are the same bytes and its posterior has no such parameter."""
     boards = ("gravity", "motor")
-    one, two = (
+    nominal, altered = (
         simulate_recording("quick", seed=4, truth=Truth(torque_constant_factor=factor), rigs=boards)
         for factor in (1.0, 1.03)
     )
-    assert one.gravity.trials.equals(two.gravity.trials)
-    assert one.gravity.events.equals(two.gravity.events)
-    assert not one.motor.runs.equals(two.motor.runs)
+    assert nominal.gravity.trials.equals(altered.gravity.trials)
+    assert nominal.gravity.events.equals(altered.gravity.events)
+    assert not nominal.motor.runs.equals(altered.motor.runs)
     likelihood = gravity_likelihood(
-        screen_trials(one.gravity, one.rig).gravity, one.rig, Analysis()
+        screen_trials(nominal.gravity, nominal.rig).gravity, nominal.rig, Analysis()
     )
     assert not {"torque_constant_factor", *SCATTER} & {p.name for p in likelihood.parameters}
 
@@ -351,8 +353,8 @@ def test_an_ensemble_of_walkers_takes_a_few_milliseconds(benchmark):
     (likelihood,) = simulated(0, Truth())
     ensemble = {name: np.repeat(value, 64) for name, value in theta().items()}
     name = "likelihood of the motor board at 64 points"
-    found = timed(benchmark, name, likelihood.log_likelihood, ensemble, within_s=0.003)
-    assert np.ptp(found) == 0
+    log_likelihood = timed(benchmark, name, likelihood.log_likelihood, ensemble, within_s=0.003)
+    assert np.ptp(log_likelihood) == 0
 
 
 def test_a_sensor_zero_is_told_by_runs_where_the_idle_motor_ran_one_way():
@@ -375,7 +377,7 @@ def test_a_sensor_zero_is_told_by_runs_where_the_idle_motor_ran_one_way():
     still["current_a"] = zero_a + 0.05 + np.random.default_rng(5).normal(0, 0.003, len(still))
     model = Model([motor_likelihood(Motor(runs, still), RIG, Analysis())])
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-    found = dict(zip(model.names, model.natural(laplace.mode), strict=True))
+    mode = dict(zip(model.names, model.natural(laplace.mode), strict=True))
     truth = table1_coefficients()["medium"]
-    assert found["c1[medium]"] == pytest.approx(truth.c1, rel=0.1)
-    assert found["c2[medium]"] == pytest.approx(truth.c2, rel=0.2)
+    assert mode["c1[medium]"] == pytest.approx(truth.c1, rel=0.1)
+    assert mode["c2[medium]"] == pytest.approx(truth.c2, rel=0.2)

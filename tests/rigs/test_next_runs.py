@@ -65,7 +65,9 @@ def recorded(folder, runs, role=None, **rig):
     table = pd.DataFrame({"run": names, "order": np.arange(len(runs)) + 1})
     if role is not None:
         table["role"] = role
-    samples = pd.concat([one.assign(run=name) for one, name in zip(runs, names, strict=True)])
+    samples = pd.concat(
+        [samples_of_run.assign(run=name) for samples_of_run, name in zip(runs, names, strict=True)]
+    )
     machine = Machine(resolution=STEP_M)
     return bf.read_recording(write(folder, machine, table, samples, **rig))
 
@@ -88,7 +90,7 @@ def modelled(recording):
     """
     trials = all_rigs()["single-axis"].trials(recording).under(BASELINES["coulomb"])
     effects = [trials.suited(all_effects(None)[name]) for name in ("viscous", "air-drag")]
-    candidates = [candidates_of(one)[0] for one in effects]
+    candidates = [candidates_of(effect)[0] for effect in effects]
     analysis = Analysis()
     priors = analysis.priors.model_copy(update={"pulleys": dict(trials.own_priors)})
     analysis = analysis.model_copy(update={"priors": priors})
@@ -101,8 +103,8 @@ def modelled(recording):
 def hypotheses(model, acting):
     at = climb(model, model.noise.start, acting["viscous"]).psi
     return {
-        Hypothesis((name,)): Weighed((name,), 0.0, None, one, model.evaluate(at, one))
-        for name, one in acting.items()
+        Hypothesis((name,)): Weighed((name,), 0.0, None, effects, model.evaluate(at, effects))
+        for name, effects in acting.items()
     }
 
 
@@ -115,21 +117,21 @@ def test_a_path_at_another_speed_takes_the_force_of_its_closed_form(tmp_path):
     rng = np.random.default_rng(4)
     run = run_of(rng, Truth(noise=0.0, scatter=0.0), (0.6, 1.7), (0.06, 0.01))
     others = [run_of(rng, Truth(), (4.0, 1.0), (0.01, 0.0)) for _ in range(2)]
-    found = laid(recorded(tmp_path / "axis", [run, *others]))[1].table
-    mine = found[(found["run"] == "r0") & (found["path"] == "as recorded")]
+    table = laid(recorded(tmp_path / "axis", [run, *others]))[1].table
+    mine = table[(table["run"] == "r0") & (table["path"] == "as recorded")]
     assert len(mine) >= 4
     time = np.linspace(0.0, SECONDS, 20001)
     rate, size = 2 * np.pi * np.array([[0.6], [1.7]]), np.array([[0.06], [0.01]])
     angle = rate * time + np.array([[0.0], [1.0]])
     top = np.abs((size * rate * np.cos(angle)).sum(axis=0)).max()
-    for _, one in mine.iterrows():
-        faster = one["velocity_m_s"] / top
+    for _, candidate in mine.iterrows():
+        faster = candidate["velocity_m_s"] / top
         ran = time < SECONDS * min(faster, 1.0)  # a slower run ends early
         v = (size * rate * np.cos(angle)).sum(axis=0)[ran]
         a = -(size * rate**2 * np.sin(angle)).sum(axis=0)[ran]
         force = np.abs(faster**2 * a + 1.5 * np.sign(v)).max()
-        assert one["drive_force_n"] == pytest.approx(force, rel=0.03)
-        assert one["duration_s"] == pytest.approx(SECONDS / max(faster, 1.0), rel=0.01)
+        assert candidate["drive_force_n"] == pytest.approx(force, rel=0.03)
+        assert candidate["duration_s"] == pytest.approx(SECONDS / max(faster, 1.0), rel=0.01)
 
 
 def test_a_run_takes_what_a_weight_pulls_with_too():
@@ -163,19 +165,19 @@ def test_runs_stay_within_limits_or_else_within_what_was_recorded(tmp_path):
     assert len(again) == 3
     assert wide.table["velocity_m_s"].max() == pytest.approx(REACHED)
     low, high = trials.readings.position.min(), trials.readings.position.max()
-    for one in (free, held, wide):
-        forced = one.table[one.table["path"] != "as recorded"]
+    for design in (free, held, wide):
+        forced = design.table[design.table["path"] != "as recorded"]
         assert forced["drive_force_n"].max() <= np.abs(trials.readings.drive).max()
-        assert low - 1e-3 < one.readings.position.min()
-        assert one.readings.position.max() < high + 1e-3
+        assert low - 1e-3 < design.readings.position.min()
+        assert design.readings.position.max() < high + 1e-3
 
 
 def test_runs_of_both_roles_are_run_again_with_their_payload(tmp_path):
     runs = slow_runs(3)
     recording = recorded(tmp_path / "axis", runs, role=["calibrate"] * 3 + ["test"] * 3)
-    _, found = laid(recording)
-    tested = np.broadcast_to(found._state(found._rough).tested, (found.readings.count, 1))[:, 0]
-    role = found.table["role"].to_numpy()[found.readings.trial]
+    _, design = laid(recording)
+    tested = np.broadcast_to(design._state(design._rough).tested, (design.readings.count, 1))[:, 0]
+    role = design.table["role"].to_numpy()[design.readings.trial]
     assert set(role) == {"calibrate", "test"}
     assert ((role == "test") == (tested == 1.0)).all()
 
@@ -189,38 +191,40 @@ def question(tmp_path_factory):
     runs, folder = slow_runs(2), tmp_path_factory.mktemp("slow")
     recording = recorded(folder / "axis", runs, limits={"velocity_m_s": [0.0, REACHED]})
     model, acting = modelled(recording)
-    found = hypotheses(model, acting)
-    open_ = SimpleNamespace(weighed=found)
-    proposals, _ = next_experiment(model, open_, dict.fromkeys(found, 0.5))
-    return runs, model, found, proposals
+    weighed = hypotheses(model, acting)
+    open_ = SimpleNamespace(weighed=weighed)
+    proposals, _ = next_experiment(model, open_, dict.fromkeys(weighed, 0.5))
+    return runs, model, weighed, proposals
 
 
 def test_the_next_run_is_at_the_speed_at_which_a_line_and_a_parabola_part(question):
     """Up to 0.25 m/s they explain a drag alike; at what the axis can do they are far apart."""
-    _, _, found, (told,) = question
-    assert abs(found[VISCOUS].at.value - found[DRAG].at.value) < np.log(100)
-    assert told.separates == ("viscous", "air-drag")
-    assert told.condition["velocity_m_s"] == pytest.approx(REACHED)
-    assert told.log10_bayes_factor > 1  # one run more says 10 to 1 by itself
+    _, _, weighed, (proposal,) = question
+    assert abs(weighed[VISCOUS].at.value - weighed[DRAG].at.value) < np.log(100)
+    assert proposal.separates == ("viscous", "air-drag")
+    assert proposal.condition["velocity_m_s"] == pytest.approx(REACHED)
+    assert proposal.log10_bayes_factor > 1  # one run more says 10 to 1 by itself
 
 
 def test_a_new_run_has_the_clocks_of_the_machine(question):
     """Hypotheses that differ in nothing but the latency are told apart, if they know it."""
-    _, model, found, _ = question
-    one = found[VISCOUS]
+    _, model, weighed, _ = question
+    viscous = weighed[VISCOUS]
 
     def proposed(late, unknown):
-        doubt = one.at.covariance + np.diag([0.0] * 4 + [unknown, 0.0])
-        each = [
+        doubt = viscous.at.covariance + np.diag([0.0] * 4 + [unknown, 0.0])
+        hypotheses_of_pair = [
             replace(
-                one,
+                viscous,
                 at=replace(
-                    one.at, mean=one.at.mean + np.array([0, 0, 0, 0, off, 0]), covariance=doubt
+                    viscous.at,
+                    mean=viscous.at.mean + np.array([0, 0, 0, 0, off, 0]),
+                    covariance=doubt,
                 ),
             )
             for off in (0.0, late)
         ]
-        pair = dict(zip(("one", "other"), each, strict=True))
+        pair = dict(zip(("one", "other"), hypotheses_of_pair, strict=True))
         return next_experiment(model, SimpleNamespace(weighed=pair), dict.fromkeys(pair, 0.5))[0]
 
     assert proposed(3.0, 0.0)
@@ -235,29 +239,29 @@ def test_the_expected_bayes_factor_is_that_of_runs_that_are_made(question, tmp_p
     What is expected counts the doubt of both hypotheses about the law, either of which has its
     own alone, so that it is too small rather than too large: by a third at most here.
     """
-    runs, model, found, (told,) = question
-    assert told.condition["path"] == "sine"
-    half = 0.5 * np.ptp(runs[int(told.condition["run"][1:])]["position_m"])
-    rate = told.condition["velocity_m_s"] / (2 * np.pi * half)
+    runs, model, weighed, (proposal,) = question
+    assert proposal.condition["path"] == "sine"
+    half = 0.5 * np.ptp(runs[int(proposal.condition["run"][1:])]["position_m"])
+    rate = proposal.condition["velocity_m_s"] / (2 * np.pi * half)
     rng = np.random.default_rng(2)
-    one, other = found[VISCOUS], found[DRAG]
+    straight, other = weighed[VISCOUS], weighed[DRAG]
     scales = model.scales[[0, 1, 2, 3, 5, 6]]  # the law's, viscous, of latency and offset
     realised = []
     for place in range(8):
-        numbers = scales * rng.multivariate_normal(one.at.mean, one.at.covariance)
+        numbers = scales * rng.multivariate_normal(straight.at.mean, straight.at.covariance)
         mass, coulomb, _, viscous, late_s, _ = numbers
         truth = Truth(
             1 + mass,
             1.5 + coulomb,
             1.5 * viscous,
             late_s,
-            model.noise.named(one.at.psi)["tau_axis"],
+            model.noise.named(straight.at.psi)["tau_axis"],
         )
         new = run_of(rng, truth, (rate, 1.0), (half, 0.0), (-np.pi / 2, 0.0))
         more, acting = modelled(recorded(tmp_path / f"more{place}", [*runs, new]))
-        after = [more.evaluate(one.at.psi, acting[name]).value for name in found]
-        before = one.at.value - other.at.value
+        after = [more.evaluate(straight.at.psi, acting[name]).value for name in weighed]
+        before = straight.at.value - other.at.value
         realised.append((after[0] - after[1] - before) / np.log(10))
     error = np.std(realised, ddof=1) / np.sqrt(len(realised))
-    assert np.mean(realised) / 1.5 - 3 * error < told.log10_bayes_factor
-    assert told.log10_bayes_factor < np.mean(realised) + 3 * error
+    assert np.mean(realised) / 1.5 - 3 * error < proposal.log10_bayes_factor
+    assert proposal.log10_bayes_factor < np.mean(realised) + 3 * error

@@ -143,9 +143,9 @@ def test_what_tells_nothing_is_refused_with_the_rule_and_its_numbers(samples, sa
         with pytest.raises(InputError, match=said):
             verb(recording)
     write_recording(recording, tmp_path / "joint")
-    told = CliRunner().invoke(app, ["validate", str(tmp_path / "joint")])
-    assert told.exit_code == 0
-    assert "expected a run that can be used" in told.output
+    validation = CliRunner().invoke(app, ["validate", str(tmp_path / "joint")])
+    assert validation.exit_code == 0
+    assert "expected a run that can be used" in validation.output
 
 
 def test_a_few_short_passes_tell_viscous_friction_and_are_no_proof_of_nothing():
@@ -160,13 +160,13 @@ def test_a_few_short_passes_tell_viscous_friction_and_are_no_proof_of_nothing():
         sampled_hz=50.0,
         seed=3,
     )
-    found = diagnose(short.recording()).summary
-    assert found.verdict == "undecided"
-    assert "windows of motion for 4 numbers of the law" in found.sentence
+    summary = diagnose(short.recording()).summary
+    assert summary.verdict == "undecided"
+    assert "windows of motion for 4 numbers of the law" in summary.sentence
     for name, truth in {"viscous": 0.3, "coulomb": 0.1, "inertia": 0.06}.items():
-        number = found.law[name].after
+        number = summary.law[name].after
         assert abs(number.mean - truth) < 3 * number.sd + 0.02 * truth
-    assert found.law["viscous"].after.sd < 0.1
+    assert summary.law["viscous"].after.sd < 0.1
 
 
 @pytest.mark.usefixtures("lengths_not_searched")
@@ -198,8 +198,8 @@ def test_another_joint_that_moves_is_nothing_that_this_one_does():
     samples = Joint(rates_hz=(0.02, 0.03), gravity=0.0, sampled_hz=20.0, seconds=40.0).samples()
     time = samples["time_s"].to_numpy()
     others = 3.0 * np.sin(2.2 * time) * np.cos(0.31 * time) + 2.0 * np.sin(0.9 * time + 1)
-    found = diagnose(recording_of(samples.assign(force_n=samples["force_n"] + others)))
-    assert found.summary.verdict in ("unknown", "undecided")
+    diagnosis = diagnose(recording_of(samples.assign(force_n=samples["force_n"] + others)))
+    assert diagnosis.summary.verdict in ("unknown", "undecided")
 
 
 def two_roles(payload):
@@ -217,8 +217,8 @@ def test_an_effect_in_one_of_two_orders_has_no_other_form_along_order():
     effect = runs.suited(all_effects(None)["payload"])
     forms = other_forms([rows], [(Candidate(effect, "carried", 0.0), 0.02)])
     assert forms
-    assert all(np.isfinite(one.sd) for one in forms)
-    assert "order" not in {one.axis for one in forms}
+    assert all(np.isfinite(form.sd) for form in forms)
+    assert "order" not in {form.axis for form in forms}
 
 
 @pytest.mark.usefixtures("lengths_not_searched")
@@ -247,6 +247,6 @@ def test_a_force_may_be_noisier_than_friction_is_large(friction):
 @pytest.mark.nightly
 def test_a_force_that_is_noise_beside_no_friction_is_no_gap_that_anything_makes():
     joint = Joint(coulomb=0.0, viscous=0.0, gravity=0.0, noise=0.2)
-    found = diagnose(joint.recording()).summary
-    assert found.verdict in ("undecided", "no-gap")
-    assert found.probabilities["unknown"] < 0.5
+    summary = diagnose(joint.recording()).summary
+    assert summary.verdict in ("undecided", "no-gap")
+    assert summary.probabilities["unknown"] < 0.5

@@ -32,10 +32,10 @@ def test_shares_of_mass_and_friction_are_each_the_loads_own(joint):
 @pytest.mark.nightly
 def test_a_spring_is_named_and_nothing_beside_it():
     """With the shares tied it was called play, a spring and air drag."""
-    found = diagnose(FRICTION_BEHIND.recording()).summary
-    assert [cause.effect for cause in found.causes] == ["transmission-compliance"]
-    assert found.law["inertia"].after.q50 == pytest.approx(0.063, rel=0.03)
-    assert found.law["coulomb"].after.q50 == pytest.approx(0.2, rel=0.05)
+    summary = diagnose(FRICTION_BEHIND.recording()).summary
+    assert [cause.effect for cause in summary.causes] == ["transmission-compliance"]
+    assert summary.law["inertia"].after.q50 == pytest.approx(0.063, rel=0.03)
+    assert summary.law["coulomb"].after.q50 == pytest.approx(0.2, rel=0.05)
 
 
 def test_a_spring_that_the_encoder_does_not_resolve_is_not_examined():

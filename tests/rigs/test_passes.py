@@ -14,11 +14,11 @@ LENGTH = 0.01
 
 def dahl(position):
     """Return Dahl's z along a path, from friction that is whole."""
-    z, found = 1.0, []
+    z, states = 1.0, []
     for moved in np.diff(position, prepend=position[0]):
         z += (moved - abs(moved) * z) / LENGTH
-        found.append(z)
-    return np.array(found)
+        states.append(z)
+    return np.array(states)
 
 
 def test_it_is_missing_as_much_as_the_pass_before_had_built_up():
@@ -39,9 +39,11 @@ def test_it_is_missing_as_much_as_the_pass_before_had_built_up():
         passes_m=tuple(passes.T),
         direction=way,
     )
-    found = law({"share": 2.0, "length": LENGTH}, state)  # all of it, twice: Dahl's friction turns
+    missing = law(
+        {"share": 2.0, "length": LENGTH}, state
+    )  # all of it, twice: Dahl's friction turns
     seen = np.arange(position.size) > 40000
-    assert found[seen] == pytest.approx((way * dahl(position) - 1)[seen], abs=5e-3)
+    assert missing[seen] == pytest.approx((way * dahl(position) - 1)[seen], abs=5e-3)
     # Without memory it would be off by much, where a pass is as short as the length.
     alone = law({"share": 2.0, "length": LENGTH}, state._replace(passes_m=()))
     assert np.abs(alone - (way * dahl(position) - 1))[seen].max() > 0.3

@@ -23,11 +23,11 @@ def test_a_share_is_of_the_largest_difference_and_only_masses_count():
 
 def test_friction_and_inertia_come_back_under_two_loads():
     """Without forces of its own the larger load bends every number of the law."""
-    found = bf.diagnose(LoadedJoint(**SMALL).recording()).summary
-    assert [one.effect for one in found.causes] == ["gravity-torque"]
-    assert found.causes[0].parameters["torque"].mean == pytest.approx(1.0, rel=0.02)
+    summary = bf.diagnose(LoadedJoint(**SMALL).recording()).summary
+    assert [cause.effect for cause in summary.causes] == ["gravity-torque"]
+    assert summary.causes[0].parameters["torque"].mean == pytest.approx(1.0, rel=0.02)
     for name, truth in (("coulomb", 0.18), ("viscous", 0.05), ("inertia", 0.06)):
-        number = found.law[name].after
+        number = summary.law[name].after
         assert number.mean == pytest.approx(truth, rel=0.03)
         assert abs(number.mean - truth) < 3 * number.sd
 

@@ -30,10 +30,10 @@ def trials(tmp_path_factory):
 def test_the_wave_that_was_put_in_is_found(trials, period, start):
     rows = trials.readings
     wave = np.sin(2 * np.pi * (rows.position - start) / period) @ rows.weights
-    found = strongest_wave(replace(rows, force=rows.force + 0.3 * wave * rows.way))
-    assert found.period == pytest.approx(period, rel=0.01)
+    strongest = strongest_wave(replace(rows, force=rows.force + 0.3 * wave * rows.way))
+    assert strongest.period == pytest.approx(period, rel=0.01)
     middle = 0.5 * (rows.position.min() + rows.position.max())
-    turns = (found.start - middle) / found.period - (start - middle) / period
+    turns = (strongest.start - middle) / strongest.period - (start - middle) / period
     assert abs(turns - round(turns)) < 0.05
 
 

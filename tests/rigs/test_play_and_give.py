@@ -37,8 +37,8 @@ def test_each_leaves_less_than_the_other(tmp_path, name):
 
     best = {
         other: min(
-            left(rows.candidate_column(one))
-            for one in candidates_of(trials.suited(all_effects(None)[other]))
+            left(rows.candidate_column(candidate))
+            for candidate in candidates_of(trials.suited(all_effects(None)[other]))
         )
         for other in (*MACHINES, "delay", "hysteresis")
     }
@@ -51,7 +51,7 @@ def test_each_leaves_less_than_the_other(tmp_path, name):
 def test_a_machine_s_is_named(tmp_path, name):
     """About 15 s each."""
     causes = [
-        one.effect for one in bf.diagnose(recorded(tmp_path, name, seconds=8.0)).summary.causes
+        cause.effect for cause in bf.diagnose(recorded(tmp_path, name, seconds=8.0)).summary.causes
     ]
     assert name in causes
     assert name == "backlash" or "backlash" not in causes
@@ -61,8 +61,8 @@ def test_a_machine_s_is_named(tmp_path, name):
 @pytest.mark.parametrize("name", MACHINES)
 def test_of_the_package_s_own_axis_it_alone_is_named(name):
     """About 10 s each."""
-    found = bf.diagnose(simulate_recording("axis", seed=1, effects={name: 1.0})).summary
-    assert [one.effect for one in found.causes] == [name]
+    summary = bf.diagnose(simulate_recording("axis", seed=1, effects={name: 1.0})).summary
+    assert [cause.effect for cause in summary.causes] == [name]
 
 
 @pytest.mark.parametrize(

@@ -60,23 +60,25 @@ def stretched(events, trials, sensor, factor):
 
 def accelerations(events, trials, sensor):
     """Second derivatives by one sensor, one polynomial a trial [m/s²]."""
-    found = []
+    values = []
     for trial in trials:
         own = events[rows_of(events, trial, sensor)]
         fit = np.polynomial.Polynomial.fit(own["time_s"], own["displacement_m"], 2)
-        found.append(fit.deriv(2)(0.0))
-    return np.array(found)
+        values.append(fit.deriv(2)(0.0))
+    return np.array(values)
 
 
 def test_clean_recording_enters_whole_and_unchanged(recording):
     gravity = recording.gravity
-    found = screened(recording)
-    assert found.excluded == {}
-    assert found.stalled == ()
-    assert found.repaired.empty
-    pd.testing.assert_frame_equal(found.gravity.events, gravity.events, check_exact=True)
-    assert sorted(found.gravity.trials["trial"]) == sorted(gravity.trials["trial"])
-    assert found.gravity.trials["setup"].ne(found.gravity.trials["setup"].shift()).sum() == 30
+    screening = screened(recording)
+    assert screening.excluded == {}
+    assert screening.stalled == ()
+    assert screening.repaired.empty
+    pd.testing.assert_frame_equal(screening.gravity.events, gravity.events, check_exact=True)
+    assert sorted(screening.gravity.trials["trial"]) == sorted(gravity.trials["trial"])
+    assert (
+        screening.gravity.trials["setup"].ne(screening.gravity.trials["setup"].shift()).sum() == 30
+    )
 
 
 def test_screening_twice_is_screening_once(recording):
@@ -91,12 +93,12 @@ def test_screening_twice_is_screening_once(recording):
 
 def test_a_sensor_beyond_repair_leaves_and_the_other_stays(recording):
     trial = recording.gravity.trials["trial"][5]
-    found = screened(recording, garbled(recording.gravity.events, trial, "load"))
-    assert found.excluded == {}
-    left = found.gravity.events.query("trial == @trial")
+    screening = screened(recording, garbled(recording.gravity.events, trial, "load"))
+    assert screening.excluded == {}
+    left = screening.gravity.events.query("trial == @trial")
     assert set(left["sensor"]) == {"drive"}
-    assert found.repaired["used"].tolist() == [False]
-    assert trial not in set(found.agreement.trials["trial"])
+    assert screening.repaired["used"].tolist() == [False]
+    assert trial not in set(screening.agreement.trials["trial"])
 
 
 @pytest.mark.parametrize("exclude", [True, False])
@@ -104,10 +106,10 @@ def test_a_trial_without_a_sensor_left_leaves_in_any_case(recording, exclude):
     trial = recording.gravity.trials["trial"][5]
     events = garbled(recording.gravity.events, trial, "load")
     events = garbled(events, trial, "drive")
-    found = screened(recording, events, exclude=exclude)
-    assert found.excluded == {trial: "unrepairable-events"}
-    assert trial not in set(found.gravity.trials["trial"])
-    assert trial not in set(found.gravity.events["trial"])
+    screening = screened(recording, events, exclude=exclude)
+    assert screening.excluded == {trial: "unrepairable-events"}
+    assert trial not in set(screening.gravity.trials["trial"])
+    assert trial not in set(screening.gravity.events["trial"])
 
 
 def test_stalling_is_judged_after_repair_and_excludes_nothing(recording):
@@ -125,15 +127,15 @@ def test_stalling_is_judged_after_repair_and_excludes_nothing(recording):
 
     assert screened(recording, pd.concat([others, slowing(0.35)])).stalled == ()
     stalling = slowing(0.339)  # stops after 0.2873 m; the 31st event is at 0.294 m
-    found = screened(recording, pd.concat([others, stalling]))
-    assert found.excluded == {}
-    assert found.stalled == (trial,)
+    screening = screened(recording, pd.concat([others, stalling]))
+    assert screening.excluded == {}
+    assert screening.stalled == (trial,)
     # With an event missed on the way the counted motion would go on to the next.
     recounted = stalling.drop(index=stalling.index[10])
     recounted["displacement_m"] = np.arange(29) * SPACING
-    found = screened(recording, pd.concat([others, recounted]))
-    assert found.stalled == (trial,)
-    assert found.repaired["missed"].tolist() == [1]
+    screening = screened(recording, pd.concat([others, recounted]))
+    assert screening.stalled == (trial,)
+    assert screening.repaired["missed"].tolist() == [1]
 
 
 def test_what_cannot_be_computed_leaves_in_any_case(recording):
@@ -147,8 +149,8 @@ def test_what_cannot_be_computed_leaves_in_any_case(recording):
     own["displacement_m"] = place * SPACING
     own["time_s"] = 0.25 + np.sqrt(place / 12 + 0.25**2)
     own.loc[own.index[0], "time_s"] = 0.0
-    found = screened(recording, pd.concat([others, own]), exclude=False)
-    assert found.excluded == {trial: "stalled"}
+    screening = screened(recording, pd.concat([others, own]), exclude=False)
+    assert screening.excluded == {trial: "stalled"}
 
 
 @pytest.mark.parametrize("sigma_x", [30e-6, 100e-6])
@@ -183,14 +185,14 @@ def test_a_sensor_one_percent_off_disagrees(recording):
     trials = recording.gravity.trials
     some = trials["trial"][::3].tolist()
     events = stretched(recording.gravity.events, some, "load", 1.01)
-    found = screened(recording, events)
-    assert found.repaired.empty
-    table = found.agreement.trials.set_index("trial")
-    assert (table.loc[some, "z"] > found.agreement.limit).all()
-    assert (table.drop(index=some)["z"].abs() < found.agreement.limit).all()
+    screening = screened(recording, events)
+    assert screening.repaired.empty
+    table = screening.agreement.trials.set_index("trial")
+    assert (table.loc[some, "z"] > screening.agreement.limit).all()
+    assert (table.drop(index=some)["z"].abs() < screening.agreement.limit).all()
     material = table.index[table["disagrees"]].tolist()
-    assert set(found.excluded) == set(material)
-    assert set(found.excluded.values()) == {"sensors-disagree"}
+    assert set(screening.excluded) == set(material)
+    assert set(screening.excluded.values()) == {"sensors-disagree"}
     by_trial = trials.set_index("trial").loc[some]
     mass = by_trial["mass_drive_kg"] + by_trial["mass_load_kg"]
     drive = (by_trial["mass_drive_kg"] - by_trial["mass_load_kg"]) * 9.80665
@@ -208,10 +210,10 @@ def test_a_sharp_difference_that_does_not_matter_excludes_nothing(recording):
         "quick", seed=1, truth=Truth(sigma_x=1e-6, sigma_t=1e-6), rigs=("gravity",)
     )
     some = quiet.gravity.trials["trial"][::5].tolist()
-    found = screened(quiet, stretched(quiet.gravity.events, some, "drive", 1.0005))
-    table = found.agreement.trials.set_index("trial")
-    assert (table.loc[some, "z"] < -found.agreement.limit).all()
-    assert found.excluded == {}
+    screening = screened(quiet, stretched(quiet.gravity.events, some, "drive", 1.0005))
+    table = screening.agreement.trials.set_index("trial")
+    assert (table.loc[some, "z"] < -screening.agreement.limit).all()
+    assert screening.excluded == {}
 
 
 def test_sensors_are_compared_over_the_time_that_both_cover(recording):
@@ -233,31 +235,31 @@ def test_sensors_are_compared_over_the_time_that_both_cover(recording):
 
 def test_one_sensor_has_no_agreement(recording):
     events = recording.gravity.events.query("sensor == 'drive'")
-    found = screened(recording, events)
-    assert found.agreement.trials.empty
-    assert found.agreement.limit is None
-    assert found.excluded == {}
+    screening = screened(recording, events)
+    assert screening.agreement.trials.empty
+    assert screening.agreement.limit is None
+    assert screening.excluded == {}
 
 
 def test_trials_by_acceleration_alone_pass(recording):
     trials = recording.gravity.trials.assign(acceleration_m_s2=0.5)
     events = recording.gravity.events
     alone = trials["trial"][::2]
-    found = screened(recording, events[~events["trial"].isin(alone)], trials)
-    assert found.excluded == {}
-    assert len(found.gravity.trials) == len(trials)
-    assert len(found.agreement.trials) == len(trials) - len(alone)
+    screening = screened(recording, events[~events["trial"].isin(alone)], trials)
+    assert screening.excluded == {}
+    assert len(screening.gravity.trials) == len(trials)
+    assert len(screening.agreement.trials) == len(trials) - len(alone)
 
 
 def test_no_events_in_the_whole_recording(recording):
     trials = recording.gravity.trials.assign(acceleration_m_s2=0.5)
     none = recording.gravity.events.iloc[:0]
     rig = dataclasses.replace(recording.rig, hall_spacing_m=None, timer_resolution_s=None)
-    found = screen_trials(Gravity(trials, none), rig)
-    assert found.excluded == {}
-    assert len(found.gravity.trials) == len(trials)
-    assert found.gravity.events.empty
-    assert found.agreement.trials.empty
+    screening = screen_trials(Gravity(trials, none), rig)
+    assert screening.excluded == {}
+    assert len(screening.gravity.trials) == len(trials)
+    assert screening.gravity.events.empty
+    assert screening.agreement.trials.empty
 
 
 def test_each_rule_has_a_sentence():
@@ -270,5 +272,5 @@ def test_each_rule_has_a_sentence():
 def test_screening_the_paper_protocol_takes_half_a_second(benchmark):
     recording = simulate_recording("paper", seed=2, rigs=("gravity",))
     name = "screening of 600 trials"
-    found = timed(benchmark, name, screened, recording, within_s=0.5)
-    assert len(found.gravity.trials) == pytest.approx(600, rel=0.05)
+    screening = timed(benchmark, name, screened, recording, within_s=0.5)
+    assert len(screening.gravity.trials) == pytest.approx(600, rel=0.05)

@@ -59,10 +59,10 @@ def mode_of(recording):
     """The posterior's mode and standard deviations, by name."""
     (trials,) = open_rigs(recording, ["gravity"])
     model = Model([trials.likelihood(Analysis())])
-    found = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     names = [parameter.name for parameter in model.parameters]
-    sd = np.sqrt(np.diag(found.covariance))
-    return dict(zip(names, zip(found.mode, sd, strict=True), strict=True))
+    sd = np.sqrt(np.diag(laplace.covariance))
+    return dict(zip(names, zip(laplace.mode, sd, strict=True), strict=True))
 
 
 def test_a_cable_explains_a_millisecond():
@@ -77,21 +77,21 @@ def test_a_cable_explains_a_millisecond():
 
 @pytest.mark.parametrize("late_s", [-0.2, -2e-3, 0.0, 1e-3, 0.05, 1000.0])
 def test_the_offset_is_found_with_its_error(board, late_s):
-    found = clocks_of(with_late_load(board, late_s))
-    assert found.sd_s < 1e-4
-    assert abs(found.late_s - late_s) < 3.5 * found.sd_s
-    off = (found.trials["late_s"] - late_s) / found.trials["sd_s"]
-    assert len(found.trials) == len(board.gravity.trials)
+    clocks = clocks_of(with_late_load(board, late_s))
+    assert clocks.sd_s < 1e-4
+    assert abs(clocks.late_s - late_s) < 3.5 * clocks.sd_s
+    off = (clocks.trials["late_s"] - late_s) / clocks.trials["sd_s"]
+    assert len(clocks.trials) == len(board.gravity.trials)
     assert (off**2).mean() == pytest.approx(1.0, abs=0.5)
 
 
 def test_each_trial_has_an_offset_of_its_own(board):
     rng = np.random.default_rng(4)
     late = {trial: 0.3 * rng.standard_normal() for trial in board.gravity.trials["trial"]}
-    found = clocks_of(with_late_load(board, late))
-    off = found.trials["late_s"] - found.trials["trial"].map(late)
-    assert (off.abs() < 5 * found.trials["sd_s"]).all()
-    assert found.sd_s == pytest.approx(0.3 / np.sqrt(len(late)), rel=0.3)
+    clocks = clocks_of(with_late_load(board, late))
+    off = clocks.trials["late_s"] - clocks.trials["trial"].map(late)
+    assert (off.abs() < 5 * clocks.trials["sd_s"]).all()
+    assert clocks.sd_s == pytest.approx(0.3 / np.sqrt(len(late)), rel=0.3)
 
 
 def moving_evenly(recording, trial):
@@ -121,10 +121,10 @@ def test_a_cable_that_slips_is_no_clock_that_is_late(board):
     """A load sensor that misses 0.8 % of all travel: its speed would be 10 to 20 ms late."""
     slip = AppliedEffect(all_effects()["slip"], "proportional", {"share": 0.008})
     truth = dataclasses.replace(TRUTH, effects=(slip,))
-    found = clocks_of(simulate_recording(BOARD, seed=7, rigs=("gravity",), truth=truth))
-    assert len(found.trials)
-    assert abs(found.late_s) < 4 * found.sd_s < 1e-3
-    assert clock_faults(found) == []
+    clocks = clocks_of(simulate_recording(BOARD, seed=7, rigs=("gravity",), truth=truth))
+    assert len(clocks.trials)
+    assert abs(clocks.late_s) < 4 * clocks.sd_s < 1e-3
+    assert clock_faults(clocks) == []
 
 
 @pytest.mark.parametrize(
@@ -172,11 +172,11 @@ def test_an_allowed_offset_leaves_out_no_trial_and_is_said(board):
 @pytest.mark.parametrize(("late_s", "sd_s"), [(3e-3, None), (0.05, 0.05), (-0.2, 0.1)])
 def test_friction_is_what_it_is_on_one_clock(board, late_s, sd_s):
     """Without the nuisance, 50 ms make c1 six per cent too high."""
-    right, found = mode_of(board), mode_of(with_late_load(board, late_s, sd_s))
+    right, late = mode_of(board), mode_of(with_late_load(board, late_s, sd_s))
     for name, (value, sd) in right.items():
         if not name.startswith("wander"):  # there is none
-            assert found[name][0] == pytest.approx(value, abs=0.05 * sd), name
-            assert found[name][1] == pytest.approx(sd, rel=0.03), name
+            assert late[name][0] == pytest.approx(value, abs=0.05 * sd), name
+            assert late[name][1] == pytest.approx(sd, rel=0.03), name
 
 
 def test_offsets_that_the_recording_states_against_a_dense_normal(board, monkeypatch):
@@ -184,16 +184,18 @@ def test_offsets_that_the_recording_states_against_a_dense_normal(board, monkeyp
     monkeypatch.setattr(late_clock, "FAR_BETTER", np.inf)
     recording = with_late_load(board, 0.02, sd_s=0.03)
     screened = screen_trials(recording.gravity, recording.rig).gravity
-    one = screened.trials.iloc[[0]].reset_index(drop=True)
-    events = screened.events[screened.events["trial"] == one["trial"][0]]
-    gravity = Gravity(one, events)
+    trial = screened.trials.iloc[[0]].reset_index(drop=True)
+    events = screened.events[screened.events["trial"] == trial["trial"][0]]
+    gravity = Gravity(trial, events)
     places = TrialPlaces(gravity, recording.rig)
     table = event_table(gravity, recording.rig)
     shift = events["clock_shift_s"].to_numpy()[(events["sensor"] == "load").to_numpy()]
     assert shift == pytest.approx(np.full(shift.size, 0.02), abs=1e-3)
     noise = {"sigma_x": 30e-6, "sigma_t": 20e-6}
     form = table.at(np.array([noise["sigma_x"]]), np.array([noise["sigma_t"]]))
-    found = form.log_constant[0, 0] - 0.5 * form.triangle[2, 0, 0]  # at the pilot's acceleration
+    log_likelihood = (
+        form.log_constant[0, 0] - 0.5 * form.triangle[2, 0, 0]
+    )  # at the pilot's acceleration
     tau = (events["time_s"] - events["time_s"].min()).to_numpy()
     load = (events["sensor"] == "load").to_numpy()
     design = np.column_stack([-1.0 * ~load, -1.0 * load, tau, tau**2 / 2])
@@ -214,7 +216,7 @@ def test_offsets_that_the_recording_states_against_a_dense_normal(board, monkeyp
     log_density -= 0.5 * np.linalg.slogdet(columns.T @ columns)[1]
     log_density -= 0.5 * ((right - columns @ fit) ** 2).sum()
     log_density -= 0.5 * (travel.size - 3) * np.log(2 * np.pi)
-    assert found == pytest.approx(log_density, abs=1e-5)
+    assert log_likelihood == pytest.approx(log_density, abs=1e-5)
 
 
 def test_a_prior_that_is_integrated_out_once_costs_less_than_a_hundredth_of_a_nat(monkeypatch):
@@ -231,7 +233,7 @@ def test_a_prior_that_is_integrated_out_once_costs_less_than_a_hundredth_of_a_na
             name: value * (1 + sign * sd.get(name.partition("[")[0], 0.0))
             for name, value in (truth_by_name() | {"wander": 0.005}).items()
         }
-        both = [one.log_likelihood(one_point(values))[0] for one in (quick, exact)]
+        both = [likelihood.log_likelihood(one_point(values))[0] for likelihood in (quick, exact)]
         assert both[0] == pytest.approx(both[1], abs=0.01)
 
 
@@ -239,13 +241,13 @@ def test_a_diagnosis_sees_the_same_board(board):
     """What the events say of the coefficients, on two clocks and on one."""
     noise = {"tau": 0.01, "omega": 0.015, "omega_intercept": 0.01}
     noise |= {"wander": 0.003, "wander_length": 0.1, "kappa": 1.0}
-    found = []
+    evaluations = []
     for recording in (board, with_late_load(board, 0.05, sd_s=0.05)):
         data = Data(open_rigs(recording, ["gravity"]))
         model = LinearModel(data, table1_coefficients(), [], Analysis())
-        psi = np.log([noise[one.name] for one in model.noise])
-        found.append(model.evaluate(psi, Acting((), ())))
-    right, other = found
+        psi = np.log([noise[parameter.name] for parameter in model.noise])
+        evaluations.append(model.evaluate(psi, Acting((), ())))
+    right, other = evaluations
     sd = np.sqrt(np.diag(np.linalg.inv(right.information.precision + np.eye(right.mean.size))))
     np.testing.assert_allclose(other.mean, right.mean, atol=0.05 * sd.max())
     np.testing.assert_allclose(

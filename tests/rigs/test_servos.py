@@ -125,9 +125,10 @@ def test_an_error_of_the_position_is_one_of_the_force_too():
     def left(error):
         """Return what rows with an error of the positions leave of law and force."""
         off = replace(log, position=log.position + error, force=log.force - error)
-        one = rows_of_run(off, test, step, rows.position_sd, stroke)
-        speed = one["way"] * test.over(-off.position, test.slope, one["centre"].astype(int))
-        return one["centre"], one["force"] - mass * one["acceleration"] - damping * speed
+        windows = rows_of_run(off, test, step, rows.position_sd, stroke)
+        speed = windows["way"] * test.over(-off.position, test.slope, windows["centre"].astype(int))
+        inertial = mass * windows["acceleration"]
+        return windows["centre"], windows["force"] - inertial - damping * speed
 
     tiny = 1e-9
     centre, exact = left(0.0)
@@ -186,13 +187,13 @@ def test_a_reader_is_told_to_multiply():
 def parquet(path, servos):
     """Write an episode as LeRobot does: degrees, in lists of all joints."""
     runs = [servo.run(place + 1) for place, servo in enumerate(servos)]
-    told = np.rad2deg([commands for _, commands, _ in runs]).astype(np.float32).T
+    actions = np.rad2deg([commands for _, commands, _ in runs]).astype(np.float32).T
     read = np.rad2deg([places for _, _, places in runs]).astype(np.float32).T
     columns = {
-        "action": pyarrow.array(told.tolist()),
+        "action": pyarrow.array(actions.tolist()),
         "observation.state": pyarrow.array(read.tolist()),
         "timestamp": runs[0][0].astype(np.float32),
-        "episode_index": np.zeros(len(told), dtype=np.int64),
+        "episode_index": np.zeros(len(actions), dtype=np.int64),
     }
     pyarrow.parquet.write_table(pyarrow.table(columns), path)
 
@@ -215,15 +216,15 @@ def test_from_a_parquet_of_commands_to_the_report(tmp_path):
     verb("import", tmp_path / "episode.parquet", "-o", made, "--map", mapping, "--joint", "0")
     assert "1 N·m per K is 1 rad" in verb("check", made)
     verb("run", made, "-o", out, "--quiet")
-    told = read_json(DiagnosisFile, out / "diagnosis.json")
+    diagnosis = read_json(DiagnosisFile, out / "diagnosis.json")
     truths = {"coulomb": arm.coulomb, "viscous": arm.damping, "inertia": arm.inertia}
     for name, truth in truths.items():
-        number = told.law[name]
+        number = diagnosis.law[name]
         assert number.unit.endswith(" per K")
         assert number.after.q05 < truth / arm.stiffness < number.after.q95, name
-    (gravity,) = told.causes
+    (gravity,) = diagnosis.causes
     assert gravity.parameters["torque"].mean == pytest.approx(arm.gravity / arm.stiffness, rel=0.02)
-    assert all(field is None for number in told.enter for field in number.fields.values())
+    assert all(field is None for number in diagnosis.enter for field in number.fields.values())
     summary = (out / "summary.md").read_text()
     assert "rad of position error" in summary
     assert (out / "report.pdf").is_file()

@@ -21,27 +21,27 @@ def rows():
 def nested(rows, variance):
     moved, x, y = rows
     by_group, by_setup = indicator(GROUP, SETUP.size), indicator(SETUP, 2)
-    each = (moved / variance[:, None], x / variance[:, None], y / variance)
-    return NestedDeviations.of(moved, *each, by_group, by_setup, SD)
+    weighted = (moved / variance[:, None], x / variance[:, None], y / variance)
+    return NestedDeviations.of(moved, *weighted, by_group, by_setup, SD)
 
 
 def dense(rows, variance, sd=SD):
     """Return the covariance of the rows, each number drawn by itself."""
     moved = rows[0]
     of_row = SETUP[GROUP]
-    found = np.diag(variance)
+    covariance = np.diag(variance)
     for codes, scale in ((GROUP, sd[0]), (of_row, sd[1])):
-        found += np.equal.outer(codes, codes) * ((moved * scale**2) @ moved.T)
-    return found
+        covariance += np.equal.outer(codes, codes) * ((moved * scale**2) @ moved.T)
+    return covariance
 
 
 def test_density_and_information_are_those_of_the_dense_normal(rows):
     variance = np.linspace(0.2, 1.5, GROUP.size)
     _, x, y = rows
-    one, whole = nested(rows, variance), dense(rows, variance)
+    deviations, whole = nested(rows, variance), dense(rows, variance)
     alone = multivariate_normal(cov=np.diag(variance)).logpdf(y)
-    assert alone + one.constant == pytest.approx(multivariate_normal(cov=whole).logpdf(y))
-    precision, slope = one.taken_by(np.ones(4, dtype=bool), np.ones(2, dtype=bool))
+    assert alone + deviations.constant == pytest.approx(multivariate_normal(cov=whole).logpdf(y))
+    precision, slope = deviations.taken_by(np.ones(4, dtype=bool), np.ones(2, dtype=bool))
     inverse = np.linalg.inv(whole)
     np.testing.assert_allclose(x.T @ (x / variance[:, None]) - precision, x.T @ inverse @ x)
     np.testing.assert_allclose(x.T @ (y / variance) - slope, x.T @ inverse @ y)
@@ -50,10 +50,10 @@ def test_density_and_information_are_those_of_the_dense_normal(rows):
 def test_sums_are_those_of_the_whole_precision(rows):
     variance = np.linspace(0.2, 1.5, GROUP.size)
     moved, x, y = rows
-    one, inverse = nested(rows, variance), np.linalg.inv(dense(rows, variance))
+    deviations, inverse = nested(rows, variance), np.linalg.inv(dense(rows, variance))
     for (columns, response, own), codes in (
-        (one.of_groups(), GROUP),
-        (one.of_setups(), SETUP[GROUP]),
+        (deviations.of_groups(), GROUP),
+        (deviations.of_setups(), SETUP[GROUP]),
     ):
         for number in range(codes.max() + 1):
             lead = moved * (codes == number)[:, None]
@@ -61,7 +61,7 @@ def test_sums_are_those_of_the_whole_precision(rows):
             np.testing.assert_allclose(response[number], lead.T @ inverse @ y)
             np.testing.assert_allclose(own[number], np.diag(lead.T @ inverse @ lead))
     pulls = moved / variance[:, None]
-    columns, response, deviation = (each[GROUP] for each in one.of_rows())
+    columns, response, deviation = (of_group[GROUP] for of_group in deviations.of_rows())
     left = x / variance[:, None] - np.einsum("ir,irk->ik", pulls, columns)
     np.testing.assert_allclose(left, inverse @ x)
     left = y / variance - np.einsum("ir,ir->i", pulls, response)

@@ -82,10 +82,10 @@ def test_the_needed_force_is_that_of_the_law(tmp_path, plain):
 
 @pytest.mark.usefixtures("lengths_not_searched")
 def test_calls_are_counted_before_they_are_made_and_none_is_made_twice(tmp_path, plain):
-    told, simulator = [], Mass()
-    calls = SimulatorCalls(simulator, announce=told.append)
+    announced, simulator = [], Mass()
+    calls = SimulatorCalls(simulator, announce=announced.append)
     beside = trials_of(recorded(tmp_path, plain)).beside(calls)
-    assert told == [
+    assert announced == [
         "Mass: at most 19 calls of the simulator, 3 × 3 for each of 2 runs, and one for what a "
         "pull counts"
     ]
@@ -94,13 +94,13 @@ def test_calls_are_counted_before_they_are_made_and_none_is_made_twice(tmp_path,
 
 @pytest.mark.nightly
 def test_a_simulator_without_viscous_friction_lacks_it(tmp_path, viscous):
-    found = bf.diagnose(recorded(tmp_path, viscous), simulator=Mass()).summary
-    assert explained(found).simulator is not None
-    assert [one.effect for one in found.causes] == ["viscous"]
-    (slope,) = found.causes[0].parameters.values()
-    assert slope.q50 * found.gap.friction_rms == pytest.approx(0.8, rel=0.2)
-    assert (found.baseline, found.simulator.calls) == ("Mass", 19)
-    numbers = found.simulator.parameters
+    summary = bf.diagnose(recorded(tmp_path, viscous), simulator=Mass()).summary
+    assert explained(summary).simulator is not None
+    assert [cause.effect for cause in summary.causes] == ["viscous"]
+    (slope,) = summary.causes[0].parameters.values()
+    assert slope.q50 * summary.gap.friction_rms == pytest.approx(0.8, rel=0.2)
+    assert (summary.baseline, summary.simulator.calls) == ("Mass", 19)
+    numbers = summary.simulator.parameters
     assert numbers["mass"].q50 == pytest.approx(2.0, rel=0.02)
     assert (numbers["mass"].unit, numbers["coulomb"].unit) == ("kg", "N")
 
@@ -128,7 +128,7 @@ class Many(Mass):
 
 @pytest.mark.nightly
 @pytest.mark.parametrize(
-    ("simulator", "told"),
+    ("simulator", "reason"),
     [
         (Mass(gain=0.5), "of a pull in the place of a drive force of 1"),
         (Deaf(), "to call extra_force"),
@@ -141,8 +141,8 @@ class Many(Mass):
     ],
     ids=["half", "deaf", "nan", "short", "raises", "many", "nowhere", "none"],
 )
-def test_what_is_no_simulator_is_refused_with_a_reason(tmp_path, plain, simulator, told):
-    with pytest.raises(InputError, match=told):
+def test_what_is_no_simulator_is_refused_with_a_reason(tmp_path, plain, simulator, reason):
+    with pytest.raises(InputError, match=reason):
         bf.diagnose(recorded(tmp_path, plain), simulator=simulator)
 
 
@@ -161,8 +161,8 @@ def test_a_board_that_logs_no_path_is_refused():
 def test_what_acted_is_averaged_around_each_sample_in_whatever_order_it_came():
     run = SimulatorRun("a", np.arange(4) * 0.1, np.zeros(4), 0.0, 0.0)
     at = np.random.default_rng(0).permutation(np.linspace(0.0, 0.3, 3001))
-    found = around(run, np.column_stack([at, 5 + 2 * at]))
-    assert found == pytest.approx([5.05, 5.2, 5.4, 5.55], abs=1e-9)
+    averages = around(run, np.column_stack([at, 5 + 2 * at]))
+    assert averages == pytest.approx([5.05, 5.2, 5.4, 5.55], abs=1e-9)
 
 
 def with_column(name, value):
@@ -189,11 +189,11 @@ def inverse(mass, coulomb):
 def test_a_recorded_force_is_a_baseline_of_which_nothing_is_fitted(tmp_path, viscous):
     """The simulator's mass and friction are right: what it lacks is viscous friction alone."""
     change = with_column("sim_force_n", inverse(2.0, 1.5))
-    found = bf.diagnose(recorded(tmp_path, viscous, change)).summary
-    assert (found.baseline, found.simulator.parameters) == ("sim_force_n", {})
-    assert [one.effect for one in found.causes] == ["viscous"]
-    (slope,) = found.causes[0].parameters.values()
-    assert slope.q50 * found.gap.friction_rms == pytest.approx(0.8, rel=0.2)
+    summary = bf.diagnose(recorded(tmp_path, viscous, change)).summary
+    assert (summary.baseline, summary.simulator.parameters) == ("sim_force_n", {})
+    assert [cause.effect for cause in summary.causes] == ["viscous"]
+    (slope,) = summary.causes[0].parameters.values()
+    assert slope.q50 * summary.gap.friction_rms == pytest.approx(0.8, rel=0.2)
 
 
 @pytest.mark.usefixtures("lengths_not_searched")

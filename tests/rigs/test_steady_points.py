@@ -71,8 +71,10 @@ def test_its_density_is_a_dense_normal(tmp_path):
     expected = -0.5 * (
         off @ np.linalg.solve(covariance, off) + np.linalg.slogdet(2 * np.pi * covariance)[1]
     )
-    found = likelihood.log_likelihood({name: np.array([value]) for name, value in theta.items()})
-    assert found[0] == pytest.approx(expected, abs=1e-8)
+    log_likelihood = likelihood.log_likelihood(
+        {name: np.array([value]) for name, value in theta.items()}
+    )
+    assert log_likelihood[0] == pytest.approx(expected, abs=1e-8)
 
 
 def test_an_assembly_of_pulleys_of_several_sizes_is_one_of_each(tmp_path):
@@ -93,11 +95,11 @@ def test_an_assembly_of_pulleys_of_several_sizes_is_one_of_each(tmp_path):
 
 def test_a_machine_of_another_size_in_other_units_is_diagnosed_alike(tmp_path):
     """Forces and speeds times any number change no probability."""
-    found = [
+    summaries = [
         bf.diagnose(recorded(tmp_path / str(force), joint(0.6, force=force, speed=speed))).summary
         for force, speed in ((1.0, 1.0), (1000.0, 0.01))
     ]
-    first, second = found
+    first, second = summaries
     assert first.probabilities.keys() == second.probabilities.keys()
     for name, chance in first.probabilities.items():
         assert second.probabilities[name] == pytest.approx(chance, abs=1e-3)
@@ -133,12 +135,12 @@ def test_a_joint_with_viscous_friction_is_named_with_its_slope(viscous, viscous_
 
 
 def test_cold_grease_without_a_thermometer_may_be_wear_as_well(tmp_path):
-    found = bf.diagnose(recorded(tmp_path, warming(), rotary=True)).summary
-    assert found.verdict == "named"
-    assert {cause.effect for cause in found.causes} & {"thermal", "wear-drift"}
-    assert ("thermal", "wear-drift") in [one.effects for one in found.unseparated]
-    assert "wear-drift" in found.sentence
-    assert "thermal" in found.sentence
+    summary = bf.diagnose(recorded(tmp_path, warming(), rotary=True)).summary
+    assert summary.verdict == "named"
+    assert {cause.effect for cause in summary.causes} & {"thermal", "wear-drift"}
+    assert ("thermal", "wear-drift") in [group.effects for group in summary.unseparated]
+    assert "wear-drift" in summary.sentence
+    assert "thermal" in summary.sentence
 
 
 def test_a_share_of_friction_is_told_where_no_load_was_recorded(viscous_diagnosed):
@@ -158,8 +160,8 @@ def test_a_share_of_friction_is_told_where_no_load_was_recorded(viscous_diagnose
 @pytest.mark.parametrize("seed", [2, 3, 4])
 def test_a_stribeck_curve_beside_viscous_friction_is_these_two_and_no_drag_of_air(tmp_path, seed):
     """Each alone says little, and a drag of air beside the first more than the second."""
-    found = bf.diagnose(recorded(tmp_path, curved(seed))).summary
-    causes = {one.effect: one.parameters for one in found.causes}
+    summary = bf.diagnose(recorded(tmp_path, curved(seed))).summary
+    causes = {cause.effect: cause.parameters for cause in summary.causes}
     assert set(causes) == {"stribeck", "viscous"}
     assert causes["stribeck"]["speed"].mean == pytest.approx(0.04, rel=0.15)
 
@@ -173,27 +175,27 @@ def test_readings_whose_errors_are_known_leave_no_noise_to_draw(tmp_path):
         "friction_n": np.sign(velocity) * (0.8 + 0.1 * np.abs(velocity) + error),
         "friction_sd_n": np.full(24, 0.01),
     }
-    found = bf.diagnose(recorded(tmp_path, table, rotary=True)).summary
-    assert [cause.effect for cause in found.causes] == ["viscous"]
-    assert found.gap.unit == "N·m"
-    assert " N·m rms" in found.sentence
-    assert {one.axis: one.unit for one in found.where}["velocity"] == "rad/s"
+    summary = bf.diagnose(recorded(tmp_path, table, rotary=True)).summary
+    assert [cause.effect for cause in summary.causes] == ["viscous"]
+    assert summary.gap.unit == "N·m"
+    assert " N·m rms" in summary.sentence
+    assert {axis.axis: axis.unit for axis in summary.where}["velocity"] == "rad/s"
 
 
 def test_a_joint_that_rubs_more_one_way_is_named_so_whatever_makes_it(tmp_path):
     """A share of friction and a constant force are one where friction is the same everywhere."""
     table = joint(0.0)
     table["friction_n"] = table["friction_n"] * np.where(table["velocity_m_s"] > 0, 1.15, 0.85)
-    found = bf.diagnose(recorded(tmp_path, table)).summary
-    assert found.verdict == "named"
-    (alike,) = (one for one in found.unseparated if found.causes[0].effect in one.effects)
-    assert {*alike.effects} >= {"direction-asymmetry", "axis-bias"} - {found.causes[0].effect}
+    summary = bf.diagnose(recorded(tmp_path, table)).summary
+    assert summary.verdict == "named"
+    (alike,) = (group for group in summary.unseparated if summary.causes[0].effect in group.effects)
+    assert {*alike.effects} >= {"direction-asymmetry", "axis-bias"} - {summary.causes[0].effect}
 
 
 def test_a_joint_with_nothing_is_not_accused(tmp_path):
-    found = bf.diagnose(recorded(tmp_path, joint(0.0))).summary
-    assert found.verdict == "no-gap"
-    assert found.probabilities["none"] > 0.5
+    summary = bf.diagnose(recorded(tmp_path, joint(0.0))).summary
+    assert summary.verdict == "no-gap"
+    assert summary.probabilities["none"] > 0.5
 
 
 def by_warmth(values, state):
@@ -224,9 +226,9 @@ def test_what_depends_on_a_covariate_is_found_there_and_named_by_a_users_effect(
 
 
 def test_an_effect_whose_covariate_is_absent_is_said_to_be(tmp_path):
-    found = bf.diagnose(recorded(tmp_path, joint(0.0)), effects=[WARMTH]).summary
-    (one,) = (one for one in found.effects if one.effect == "oil-warmth")
-    assert "oil_temperature_c" in one.log10_bayes_factor_why
+    summary = bf.diagnose(recorded(tmp_path, joint(0.0)), effects=[WARMTH]).summary
+    (tested,) = (effect for effect in summary.effects if effect.effect == "oil-warmth")
+    assert "oil_temperature_c" in tested.log10_bayes_factor_why
 
 
 @pytest.mark.parametrize(
@@ -247,8 +249,8 @@ def test_a_law_without_its_constant_has_no_such_parameter(tmp_path):
 
 
 def test_no_claim_on_pulleys_is_judged_by_a_machine_without(tmp_path):
-    found = bf.check_claims(recorded(tmp_path, joint(0.0))).summary
-    assert {one.verdict for one in found.claims} == {"not-testable"}
+    summary = bf.check_claims(recorded(tmp_path, joint(0.0))).summary
+    assert {claim.verdict for claim in summary.claims} == {"not-testable"}
 
 
 def test_a_users_prior_stands_where_the_rig_has_one(tmp_path):
@@ -282,14 +284,16 @@ def test_the_next_point_is_where_two_curves_through_the_same_ends_differ(tmp_pat
     error = np.where(velocity == 1.0, 3.0, 0.05)
     friction = 8 + 3 * velocity + error * np.random.default_rng(8).standard_normal(17)
     table = {"velocity_m_s": velocity, "friction_n": friction, "friction_sd_n": error}
-    found = bf.diagnose(recorded(tmp_path, table)).summary
-    assert {"viscous", "air-drag"} <= set(list(found.probabilities)[:3])
-    told = next(
-        one for one in found.next_experiment if set(one.separates) == {"viscous", "air-drag"}
+    summary = bf.diagnose(recorded(tmp_path, table)).summary
+    assert {"viscous", "air-drag"} <= set(list(summary.probabilities)[:3])
+    proposal = next(
+        proposed
+        for proposed in summary.next_experiment
+        if set(proposed.separates) == {"viscous", "air-drag"}
     )
-    assert told.condition == {"rig": "steady-points", "velocity_m_s": 1.0}
+    assert proposal.condition == {"rig": "steady-points", "velocity_m_s": 1.0}
     # 1.3 N apart beside 0.05 N, friction's scatter of 8 to 14 N and what the ends leave open.
-    assert 1 < told.log10_bayes_factor < 1.3**2 / (2 * 0.05**2 * np.log(10))
+    assert 1 < proposal.log10_bayes_factor < 1.3**2 / (2 * 0.05**2 * np.log(10))
 
 
 def test_friction_that_is_higher_at_middling_speeds_alone_is_a_gap_along_speed(tmp_path):
@@ -304,17 +308,17 @@ def test_friction_that_is_higher_at_middling_speeds_alone_is_a_gap_along_speed(t
     friction *= 1 + 0.35 * np.exp(-0.5 * (np.log(speed / 0.15) / 0.4) ** 2)
     friction *= 1 + 0.015 * rng.standard_normal(150) + 0.01 * rng.standard_normal(25)[setup]
     table = {
-        "setup": [f"s{one}" for one in setup],
+        "setup": [f"s{number}" for number in setup],
         "n_pulleys": n,
         "wrap_angle_deg": wrap,
         "tension_n": tension,
         "velocity_m_s": speed,
         "friction_n": friction,
     }
-    found = bf.diagnose(recorded(tmp_path, table)).summary
-    assert found.verdict == "unknown"
-    assert found.where[0].axis == "velocity"
-    assert found.gap.systematic.q50 > 0.05 * found.gap.friction_rms  # 0.12 by the formula
+    summary = bf.diagnose(recorded(tmp_path, table)).summary
+    assert summary.verdict == "unknown"
+    assert summary.where[0].axis == "velocity"
+    assert summary.gap.systematic.q50 > 0.05 * summary.gap.friction_rms  # 0.12 by the formula
 
 
 def test_a_next_point_of_a_bench_at_one_speed_has_that_speed(tmp_path):

@@ -45,8 +45,8 @@ def fitted(recording):
 
 
 def test_it_is_found_by_being_there(scale):
-    known = ["gravity", "motor", "scale", "single-axis", "steady-points"]
-    assert list(rigs.all_rigs()) == known
+    names = ["gravity", "motor", "scale", "single-axis", "steady-points"]
+    assert list(rigs.all_rigs()) == names
     assert "scale" not in rigs.paper_rigs()
 
 
@@ -54,16 +54,16 @@ def test_it_is_fitted_to_the_law_from_which_it_was_simulated(fitted):
     for size, law in table1_coefficients().items():
         if size != "medium":
             for name in ("c1", "c2"):
-                found = fitted.summary.pulleys[size][name]
-                assert abs(found.mean - getattr(law, name)) < 4 * found.sd
-                assert found.sd < 0.2 * getattr(law, name)
+                coefficient = fitted.summary.pulleys[size][name]
+                assert abs(coefficient.mean - getattr(law, name)) < 4 * coefficient.sd
+                assert coefficient.sd < 0.2 * getattr(law, name)
 
 
 def test_a_clean_one_is_not_said_to_have_a_gap(recording):
-    found = bf.diagnose(recording).summary
-    assert found.rigs == ("scale",)
-    assert found.verdict in ("no-gap", "undecided")
-    assert not found.causes
+    summary = bf.diagnose(recording).summary
+    assert summary.rigs == ("scale",)
+    assert summary.verdict in ("no-gap", "undecided")
+    assert not summary.causes
 
 
 def test_an_effect_of_it_is_named(scale, tmp_path):
@@ -72,9 +72,9 @@ def test_an_effect_of_it_is_named(scale, tmp_path):
     truth = Truth(effects=(curved,))
     simulated = scale.simulate(PROTOCOLS["quick"], RigConstants(), truth, seed=5)
     write_recording(Recording("t", "Toy", RigConstants(), **simulated.tables), tmp_path / "toy")
-    found = bf.diagnose(bf.read_recording(tmp_path / "toy")).summary
-    assert found.inclusion[0].effect == "tension-curvature"
-    assert found.inclusion[0].probability > 0.9
+    summary = bf.diagnose(bf.read_recording(tmp_path / "toy")).summary
+    assert summary.inclusion[0].effect == "tension-curvature"
+    assert summary.inclusion[0].probability > 0.9
 
 
 @pytest.mark.nightly

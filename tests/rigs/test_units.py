@@ -39,12 +39,12 @@ def alike(first, second, force):
 @pytest.fixture(scope="module")
 def axis(tmp_path_factory):
     """Return a function of a machine and of units to its diagnosis, each once."""
-    known = {}
+    summaries = {}
 
     def diagnosed(name, force=1.0, length=1.0):
         key = name, force, length
-        if key in known:
-            return known[key]
+        if key in summaries:
+            return summaries[key]
         machine = Machine(control_hz=500.0, bandwidth_hz=5.0, **MACHINES[name][0])
         runs, samples = simulate(machine, runs=2, seconds=4.0, seed=3)
         samples = samples.assign(
@@ -52,10 +52,10 @@ def axis(tmp_path_factory):
         )
         there = replace(machine, resolution=machine.resolution * length)
         folder = tmp_path_factory.mktemp("units") / "axis"
-        known[key] = bf.diagnose(
+        summaries[key] = bf.diagnose(
             bf.read_recording(write(folder, there, runs, samples, limits=WIDE))
         ).summary
-        return known[key]
+        return summaries[key]
 
     return diagnosed
 
@@ -75,18 +75,18 @@ def test_an_axis_in_other_units_is_diagnosed_alike(axis, name, force, length):
 @pytest.fixture(scope="module")
 def points(tmp_path_factory):
     """Return a function of points and of units to their diagnosis, each once."""
-    known = {}
+    summaries = {}
 
     def diagnosed(name, force=1.0, speed=1.0):
         key = name, force, speed
-        if key not in known:
+        if key not in summaries:
             table = {
                 column: values * {"n": force, "s": speed}.get(column.rsplit("_", 1)[-1], 1.0)
                 for column, values in POINTS[name].items()
             }
             folder = tmp_path_factory.mktemp("units")
-            known[key] = bf.diagnose(recorded(folder, table, limits=WIDE)).summary
-        return known[key]
+            summaries[key] = bf.diagnose(recorded(folder, table, limits=WIDE)).summary
+        return summaries[key]
 
     return diagnosed
 

@@ -18,7 +18,7 @@ from bayesfric.simulate import Truth, simulate_recording
 DESIGN = Protocol({(9, 85.0): 2, (15, 50.0): 1, (5, 135.0): 1}, (6.0, 16.0), (6.0, 16.0), 3)
 
 
-def found(truth, seed, design=DESIGN):
+def fitted(truth, seed, design=DESIGN):
     """Return mode and sd of parameters in the sampling space, and the mode by name."""
     recording = simulate_recording(design, seed=seed, truth=truth, rigs=("gravity",))
     model = Model([all_rigs()["gravity"].trials(recording).likelihood(Analysis())])
@@ -38,7 +38,7 @@ def within(model, laplace, place, truth, name, deviations=4.0):
 @pytest.mark.parametrize(("seed", "length"), [(3, 0.1), (4, 0.2)])
 def test_rms_and_length_of_the_wander_are_found_again(seed, length):
     truth = Truth(wander=0.015, wander_length=length)
-    model, laplace, place = found(truth, seed)
+    model, laplace, place = fitted(truth, seed)
     for name in ("wander", "wander_length", "tau", "omega", "sigma_x"):
         assert within(model, laplace, place, truth, name), name
     mode = model.by_name(model.natural(laplace.mode[None]))
@@ -46,15 +46,15 @@ def test_rms_and_length_of_the_wander_are_found_again(seed, length):
 
 
 def test_without_wander_none_is_found():
-    model, laplace, _ = found(Truth(), 5)
+    model, laplace, _ = fitted(Truth(), 5)
     mode = model.by_name(model.natural(laplace.mode[None]))
     assert mode["wander"][0] < 1.5e-3
 
 
 def test_scatter_of_the_intercept_is_found_beside_that_of_all_friction():
-    many = Protocol({(9, 85.0): 6, (15, 50.0): 3, (5, 135.0): 3}, (6.0, 28.0), (6.0, 28.0), 2)
+    design = Protocol({(9, 85.0): 6, (15, 50.0): 3, (5, 135.0): 3}, (6.0, 28.0), (6.0, 28.0), 2)
     truth = Truth(omega_intercept=0.1, omega=0.01, tau=0.003)
-    model, laplace, place = found(truth, 6, many)
+    model, laplace, place = fitted(truth, 6, design)
     mode = model.by_name(model.natural(laplace.mode[None]))
     assert mode["omega_intercept"][0] == pytest.approx(0.1, rel=0.4)
     assert within(model, laplace, place, truth, "omega_intercept")
@@ -62,7 +62,7 @@ def test_scatter_of_the_intercept_is_found_beside_that_of_all_friction():
 
 def test_a_push_is_no_wander():
     """The first speed is a nuisance of each trial: a push moves no scatter."""
-    quiet, pushed = (found(Truth(push=push), 7) for push in (0.0, 0.06))
+    quiet, pushed = (fitted(Truth(push=push), 7) for push in (0.0, 0.06))
     values = [model.natural(laplace.mode[None])[0] for model, laplace, _ in (quiet, pushed)]
     for name in ("tau", "omega", "sigma_x"):
         assert values[1][quiet[2][name]] == pytest.approx(values[0][quiet[2][name]], rel=0.15)

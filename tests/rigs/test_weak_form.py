@@ -203,8 +203,8 @@ def test_a_later_rate_is_not_told_by_the_errors_of_the_force_itself():
 def test_a_curvature_is_told_by_what_lies_beside_a_window():
     kernel, place = _beside(8, 24, 0.002), 0.002 * np.arange(-24, 25)
     assert not kernel[16:33].any()
-    told = [kernel @ one for one in (np.ones(49), place, place**2)]
-    assert told == pytest.approx([0.0, 0.0, 2.0], abs=1e-6)
+    moments = [kernel @ values for values in (np.ones(49), place, place**2)]
+    assert moments == pytest.approx([0.0, 0.0, 2.0], abs=1e-6)
 
 
 def test_travel_counts_from_rest():

@@ -34,8 +34,8 @@ def test_the_mean_speed_of_a_window_is_under_its_test_function():
 
 def test_a_force_on_time_is_not_moved():
     """Its viscous friction, by another mean of the speed, seemed to come 16 ms late."""
-    found = on_time(logs_of(JOINT), None, margin_s(0.01))
-    assert found.late_s == 0.0
+    timing = on_time(logs_of(JOINT), None, margin_s(0.01))
+    assert timing.late_s == 0.0
 
 
 @pytest.mark.parametrize("is_known_exactly", [False, True])
@@ -64,11 +64,11 @@ def test_errors_of_positions_do_not_tell_by_how_much_a_known_force_is_wrong(late
     place, speed = np.sin(turned) @ [0.8, 0.3], np.cos(turned) @ [0.8 * 1.4, 0.3 * 4.0]
     of_link = -link * np.sin(turned) @ of_rates
     force = 1.35 * of_link + 0.45 * np.sign(speed) + 0.16 * speed
-    known = -link * np.sin(turned - late_s * np.array([1.4, 4.0])) @ of_rates
+    gravity_force = -link * np.sin(turned - late_s * np.array([1.4, 4.0])) @ of_rates
     everywhere = np.ones(time.size, dtype=bool)
     log = EvenLog(time, np.round(place / count) * count, force, everywhere, 0.002, {})
-    share = (WeakForce(0.025 * known),)
-    log = replace(log, known_force=WeakForce(known), beside=share, known_to_a_share=True)
+    share = (WeakForce(0.025 * gravity_force),)
+    log = replace(log, known_force=WeakForce(gravity_force), beside=share, known_to_a_share=True)
     rows = readings_of([log], [np.zeros(1, dtype=int)], count)
     speed = rows.speed @ rows.weights
     law = np.column_stack([rows.acceleration, np.ones(rows.count), speed, rows.way])

@@ -70,8 +70,8 @@ def test_a_joint_that_was_not_logged_stays_where_the_model_has_it(tree, tmp_path
     order = [JOINTS.index("wrist"), JOINTS.index("turn")]
     whole[:, order], rates[:, order] = position, velocity
     expected = RigidBodies(tree).momentum_and_pull(whole, rates)
-    found = RigidBodies(some).momentum_and_pull(position, velocity)
-    for values, reference in zip(found, expected, strict=True):
+    computed = RigidBodies(some).momentum_and_pull(position, velocity)
+    for values, reference in zip(computed, expected, strict=True):
         assert values == pytest.approx(reference[:, order], abs=1e-12)
 
 

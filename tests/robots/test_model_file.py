@@ -54,16 +54,16 @@ def refused(folder, text, joints=None, name="arm.xml"):
     ],
 )
 def test_a_fault_names_its_element(tmp_path, text, words):
-    told = refused(tmp_path, text)
-    assert "\n" not in told
+    message = refused(tmp_path, text)
+    assert "\n" not in message
     for word in words:
-        assert word in told
+        assert word in message
 
 
 def test_a_joint_that_the_model_lacks_is_named_with_one_that_may_be_meant(tmp_path):
-    told = refused(tmp_path, TREE, {"a": "wrst"})
-    assert "'wrst'" in told
-    assert "'wrist' meant?" in told
+    message = refused(tmp_path, TREE, {"a": "wrst"})
+    assert "'wrst'" in message
+    assert "'wrist' meant?" in message
 
 
 def test_a_joint_is_logged_once(tmp_path):
@@ -149,15 +149,15 @@ def test_a_frame_that_is_fixed_to_a_link_needs_no_mass(tmp_path):
     robot = read_robot(written(tmp_path, "arm.xml", framed), "arm.xml", {"a": "wrist"})
     bare = read_robot(written(tmp_path, "arm.xml", TREE), "arm.xml", {"a": "wrist"})
     at = np.array([[0.3]]), np.array([[0.7]])
-    found, expected = (RigidBodies(own).momentum_and_pull(*at) for own in (robot, bare))
-    assert np.array(found) == pytest.approx(np.array(expected), rel=1e-12)
+    with_frame, expected = (RigidBodies(own).momentum_and_pull(*at) for own in (robot, bare))
+    assert np.array(with_frame) == pytest.approx(np.array(expected), rel=1e-12)
     carried = TREE.replace(
         '<geom type="box" size="0.02 0.05 0.1" pos="0.1 0.05 0" mass="0.8"/>',
         '<body><geom type="box" size="0.02 0.05 0.1" pos="0.1 0.05 0" mass="0.8"/></body>',
     )
     robot = read_robot(written(tmp_path, "arm.xml", carried), "arm.xml", {"a": "wrist"})
-    found = RigidBodies(robot).momentum_and_pull(*at)
-    assert np.array(found) == pytest.approx(np.array(expected), rel=1e-12)
+    with_frame = RigidBodies(robot).momentum_and_pull(*at)
+    assert np.array(with_frame) == pytest.approx(np.array(expected), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -231,9 +231,9 @@ def test_a_logged_joint_that_mimics_or_is_mimicked_is_refused(tmp_path, logged):
     """MuJoCo ties the two with an equality, whose force no log has."""
     mujoco = pytest.importorskip("mujoco")
     assert mujoco.MjModel.from_xml_string(TWO_FINGERS).neq == 1
-    told = refused(tmp_path, TWO_FINGERS, {"a": logged}, "hand.urdf")
-    assert f"({logged} of the log is in it: leave it out of rig.robot.joints" in told
-    assert "<mimic>" in told
+    message = refused(tmp_path, TWO_FINGERS, {"a": logged}, "hand.urdf")
+    assert f"({logged} of the log is in it: leave it out of rig.robot.joints" in message
+    assert "<mimic>" in message
 
 
 def test_fingers_that_nobody_logged_may_mimic_each_other(tmp_path):

@@ -24,8 +24,8 @@ PAIRS = [
     # A log of an axis takes a second to open: the first law of each effect, and all by night.
     pytest.param(name, effect, law, marks=[pytest.mark.nightly] if name == "axis" and place else [])
     for name, rig in DESIGNS.items()
-    for effect, known in all_effects(rig.own_design.offers).items()
-    for place, law in enumerate(known.laws)
+    for effect, offered in all_effects(rig.own_design.offers).items()
+    for place, law in enumerate(offered.laws)
 ]
 STRENGTH = 0.03  # so small that every law is linear in its amplitude
 # Law and rows are evaluated on paths that differ where an axis turns: rows by the log.
@@ -57,11 +57,11 @@ def read(name, rows):
 @pytest.mark.parametrize(("name", "effect", "law"), PAIRS)
 def test_what_an_effect_adds_is_its_column_or_the_rig_says_why_not(name, effect, law):
     design, truth = DESIGNS[name].own_design, quiet(name)
-    known = all_effects(design.offers)[effect]
-    change = design.change(known, design.constants, truth)
-    shape = known.shape
+    offered = all_effects(design.offers)[effect]
+    change = design.change(offered, design.constants, truth)
+    shape = offered.shape
     node = 0.0 if shape is None else float(to_normal(shape.prior, shape.typical))
-    force = plain(name).relative_force(Candidate(known, law, node))
+    force = plain(name).relative_force(Candidate(offered, law, node))
     if change is None or isinstance(force, Unsupported):
         assert change is None
         assert isinstance(force, Unsupported)
@@ -75,8 +75,8 @@ def test_what_an_effect_adds_is_its_column_or_the_rig_says_why_not(name, effect,
     acted = rows_of(name, replace(truth, effects=(applied,)))
     added = read(name, acted) - read(name, plain(name))
     friction = acted.friction_of_row if name == "axis" else acted.friction_n
-    force = acted.relative_force(Candidate(known, law, node))
-    expected = applied.values[known.amplitude.name] * friction * np.ravel(force)
+    force = acted.relative_force(Candidate(offered, law, node))
+    expected = applied.values[offered.amplitude.name] * friction * np.ravel(force)
     off = np.sqrt(np.mean((added - expected) ** 2) / np.mean(added**2))
     assert off < max(NEAR[name], AT_TURNS.get(effect, 0.0) if name == "axis" else 0.0)
 
@@ -116,6 +116,6 @@ def test_a_fit_takes_clocks_that_differ_either_way(seed):
     trials = DESIGNS["axis"].trials(simulate_recording("axis", seed=seed))
     model = Model([trials.likelihood(Analysis())])
     mode = model.natural(bounded_mode(model, model.start()).mode)
-    found = dict(zip((one.name for one in model.parameters), mode, strict=True))
-    assert abs(found["latency"]) < 5e-4
-    assert (found["mass"], found["coulomb"]) == pytest.approx((2.0, 1.5), rel=0.04)
+    mode_by_name = dict(zip((parameter.name for parameter in model.parameters), mode, strict=True))
+    assert abs(mode_by_name["latency"]) < 5e-4
+    assert (mode_by_name["mass"], mode_by_name["coulomb"]) == pytest.approx((2.0, 1.5), rel=0.04)

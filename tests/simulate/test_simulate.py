@@ -39,8 +39,10 @@ def test_masses_are_fixed_before_any_parameter():
         simulate_recording("quick", seed=seed, truth=truth).gravity.trials
         for seed, truth in ((0, Truth()), (1, Truth(coefficients=weak)))
     ]
-    one, two = (table[CELL + MASSES].sort_values(CELL + MASSES).to_numpy() for table in tables)
-    assert (one == two).all()
+    plain, altered = (
+        table[CELL + MASSES].sort_values(CELL + MASSES).to_numpy() for table in tables
+    )
+    assert (plain == altered).all()
 
 
 def test_scatter_has_the_size_and_the_structure_that_was_asked():
@@ -229,8 +231,8 @@ def test_motor_design_is_fixed_before_any_parameter():
         for seed, truth in ((0, Truth()), (1, Truth(coefficients=weak)))
     ]
     assert not tables[0][columns].equals(tables[1][columns])  # another order
-    one, two = (table[columns].sort_values(columns).to_numpy() for table in tables)
-    assert (one == two).all()
+    plain, altered = (table[columns].sort_values(columns).to_numpy() for table in tables)
+    assert (plain == altered).all()
 
 
 @pytest.mark.parametrize("rigs", [(), ("steady",), "motor"])
@@ -273,8 +275,8 @@ def test_levels_that_are_not_there_change_nothing_and_are_not_told():
     record = recording.metadata["simulation"]["truth"]
     assert not {"wander", "wander_length", "push", "omega_intercept"} & set(record)
     wandering = simulate_recording("quick", seed=3, truth=Truth(wander=0.01, push=0.02))
-    told = wandering.metadata["simulation"]["truth"]
-    assert (told["wander"], told["wander_length"], told["push"]) == (0.01, 0.1, 0.02)
+    truth = wandering.metadata["simulation"]["truth"]
+    assert (truth["wander"], truth["wander_length"], truth["push"]) == (0.01, 0.1, 0.02)
     assert (wandering.motor.runs == recording.motor.runs).all().all()
 
 

@@ -128,30 +128,32 @@ def test_own_forms_do_what_the_packages_effects_do(plain, pure, name, form, law,
     recording = simulated([applied(name, law, amplitude, shape)], ["gravity"])
     expected = accelerations(theirs(recording)) - pure[0]
     kind = EFFECTS[name]
-    (same,) = (one for one in kind.forms if one.name == form)
+    (same,) = (candidate_form for candidate_form in kind.forms if candidate_form.name == form)
     assert same.own
     effect = ImposedEffect(kind, same, shape, amplitude)
-    found = accelerations(ours(plain, [effect])) - pure[1]
+    changed = accelerations(ours(plain, [effect])) - pure[1]
     # Of 15 pulleys with T's share c1, the tension grows by 15 c1 on the way, 19 % where small:
     # the two differ by about half of that where an effect changes the tension itself.
     size = np.repeat(plain.gravity.trials["pulley_size"].to_numpy(), 4)
     for name, tolerance in (("large", 0.025), ("medium", 0.04), ("small", 0.13)):
         of = size == name
-        assert np.abs(found - expected)[of].max() < tolerance * np.abs(expected)[of].max()
+        assert np.abs(changed - expected)[of].max() < tolerance * np.abs(expected)[of].max()
         assert np.abs(expected)[of].max() > 1e-3
 
 
 def test_the_ringing_is_the_packages():
     time, masses = np.linspace(0, 0.4, 50)[None], (np.array([[1.6]]), np.array([[1.2]]))
     law = all_effects()["cable-compliance"].laws["ringing"]
-    (form,) = (one for one in EFFECTS["cable-compliance"].forms if one.own)
+    (form,) = (
+        candidate_form for candidate_form in EFFECTS["cable-compliance"].forms if candidate_form.own
+    )
     for at_load in (False, True):
         reading = Reading(0.0, 0.0, float(at_load), time, 1.0, 1.0, *masses, 5)
         nothing = np.zeros((1, 1))
         at = Passage(nothing, at_load, nothing, time, nothing, *masses, nothing, nothing, magnets=5)
-        found = form.law({"amplitude": 1e-4, "stiffness": 9400.0}, at, 0.0)
+        delay = form.law({"amplitude": 1e-4, "stiffness": 9400.0}, at, 0.0)
         expected = law({"stretch": 1e-4, "stiffness": 9400.0}, reading)
-        assert found == pytest.approx(expected, abs=1e-18)
+        assert delay == pytest.approx(expected, abs=1e-18)
         assert np.ptp(expected) > 5e-5
 
 
@@ -179,11 +181,11 @@ def test_own_forms_on_the_motor_board(name, form, law, amplitude):
         runs["velocity_m_s"].to_numpy(),
     )
     kind = EFFECTS[name]
-    (same,) = (one for one in kind.forms if one.name == form)
-    state, one = motor_state(nature(), bench), np.ones((len(bench), 1))
-    found = motor_currents(state, [ImposedEffect(kind, same, {}, amplitude)], one)[0]
-    found = (found - motor_currents(state, [], one)[0])[:, 0]
-    assert np.abs(found - expected).max() < 0.03 * np.abs(expected).max()
+    (same,) = (candidate_form for candidate_form in kind.forms if candidate_form.name == form)
+    state, ones = motor_state(nature(), bench), np.ones((len(bench), 1))
+    currents = motor_currents(state, [ImposedEffect(kind, same, {}, amplitude)], ones)[0]
+    currents = (currents - motor_currents(state, [], ones)[0])[:, 0]
+    assert np.abs(currents - expected).max() < 0.03 * np.abs(expected).max()
 
 
 def test_the_motor_raises_the_weight_against_friction():
@@ -219,7 +221,7 @@ def friction_by_hand(board):
 
 def amplitude_of(clean, name, form, strength=1.0, **shape):
     kind = EFFECTS[name]
-    (same,) = (one for one in kind.forms if one.name == form)
+    (same,) = (candidate_form for candidate_form in kind.forms if candidate_form.name == form)
     return scaled(ImposedEffect(kind, same, shape, 1.0, strength), clean).amplitude
 
 
@@ -251,8 +253,8 @@ def test_strength_follows_the_time_of_a_trial(clean):
     friction, a = friction_by_hand(clean.board)
     state = clean.bench
     runs = state.n_pulleys * (state.slope * state.tension_n + state.constant_n)
-    one = clean.board.state.n_pulleys * clean.board.state.scale_n / friction
-    trial = np.mean(one**2 * 2 * a * 0.6 / 3)
+    ratio = clean.board.state.n_pulleys * clean.board.state.scale_n / friction
+    trial = np.mean(ratio**2 * 2 * a * 0.6 / 3)
     run = np.mean((state.n_pulleys * state.scale_n * state.speed_m_s / runs) ** 2)
     slope = amplitude_of(clean, "viscous", "constant", 0.5)
     assert slope * np.sqrt((trial + run) / 2) == pytest.approx(0.05, rel=0.05)

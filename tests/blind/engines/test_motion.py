@@ -30,13 +30,13 @@ def test_many_pulleys_come_near_to_the_mean_of_both_tensions():
     pull, both = (drive - load) * G, drive + load
     tension, change = both * G / 2, (drive - load) / 2
     by_hand = (pull - slope * tension - 15 * c2) / (both - slope * change)
-    (found,) = move(board(MANY), ()).acceleration_m_s2[:, 0]
+    (acceleration,) = move(board(MANY), ()).acceleration_m_s2[:, 0]
     friction = (slope * tension + 15 * c2) / both
     # The cable enters each pulley half a drop below its mean: (slope + 15 c2/T)/30. Tensions
     # rise as powers, whose mean lies below that of the ends: by slope × friction/12 T.
     share = slope + 15 * c2 / tension
     below = slope / share * (share / 30 + slope * share / 12)
-    assert (found - by_hand) / friction == pytest.approx(below, rel=0.03)
+    assert (acceleration - by_hand) / friction == pytest.approx(below, rel=0.03)
 
 
 def test_drag_in_proportion_to_speed_has_its_exponential():
@@ -131,12 +131,12 @@ def _slope(u, left, right, left_rate, right_rate):
 
 def _quintic(u, h, x, v, a):
     rows = [[1, 1, 1], [3, 4, 5], [6, 12, 20]]
-    known = [
+    remainders = [
         x[1] - x[0] - h * v[0] - h**2 * a[0] / 2,
         h * (v[1] - v[0]) - h**2 * a[0],
         h**2 * (a[1] - a[0]),
     ]
-    high = np.linalg.solve(rows, known)
+    high = np.linalg.solve(rows, remainders)
     return x[0] + h * v[0] * u + h**2 * a[0] / 2 * u**2 + high @ [u**3, u**4, u**5]
 
 

@@ -70,9 +70,9 @@ def test_what_is_withheld_changes_friction_by_its_strength(short, name):
         engine.make(engine.Withheld(what, effects, "own"), 5, noise=False)
         for what, effects in (("none", ()), (kind, ((name, 1.0),)))
     )
-    (told,) = acted.truth["withheld"]
-    assert told["name"] == name
-    assert told["strength"] == 1.0
+    (withheld_effect,) = acted.truth["withheld"]
+    assert withheld_effect["name"] == name
+    assert withheld_effect["strength"] == 1.0
     trials = plain.recording.gravity.trials
     total = (trials["mass_drive_kg"] + trials["mass_load_kg"]).to_numpy()
     less = (trials["mass_drive_kg"] - trials["mass_load_kg"]).to_numpy()
@@ -80,10 +80,10 @@ def test_what_is_withheld_changes_friction_by_its_strength(short, name):
     def force(made):
         """Of each trial: the mean acceleration that its drive sensor's events have."""
         events = made.recording.gravity.events.query("sensor == 'drive'")
-        found = []
-        for _, one in events.groupby("trial", sort=False):
-            found.append(2 * np.polyfit(one["time_s"], one["displacement_m"], 2)[0])
-        return less * 9.80665 - total * np.array(found)
+        accelerations = []
+        for _, trial in events.groupby("trial", sort=False):
+            accelerations.append(2 * np.polyfit(trial["time_s"], trial["displacement_m"], 2)[0])
+        return less * 9.80665 - total * np.array(accelerations)
 
     share = (force(acted) - force(plain)) / force(plain)
     assert 0.03 < np.sqrt(np.mean(share**2)) < 0.3
@@ -91,11 +91,11 @@ def test_what_is_withheld_changes_friction_by_its_strength(short, name):
 
 def test_a_recording_says_nothing_and_is_the_same_again(short):
     withheld = engine.Withheld("effect", (("air-drag", 0.5),), "own")
-    one, again = (engine.make(withheld, 7).recording for _ in range(2))
-    assert one.sha256 == again.sha256
-    assert "drag" not in str(one.metadata)
-    assert one.motor is None
-    assert engine.make(withheld, 8).recording.sha256 != one.sha256
+    recording, again = (engine.make(withheld, 7).recording for _ in range(2))
+    assert recording.sha256 == again.sha256
+    assert "drag" not in str(recording.metadata)
+    assert recording.motor is None
+    assert engine.make(withheld, 8).recording.sha256 != recording.sha256
 
 
 def test_without_mujoco_it_says_what_to_install(monkeypatch):

@@ -57,9 +57,9 @@ def test_ends_differ_and_intercepts_scatter_by_assembly():
     assert left.mean() / right.mean() - 1 == pytest.approx(0.01, rel=0.01)
     plain, scattered = board_of(nature(), TRIALS), disturbed_by(omega_intercept=0.05)
     ratio = (scattered.state.constant_n / plain.state.constant_n)[:, 0]
-    each = [ratio[TRIALS.setup == setup] for setup in range(TRIALS.setup.max() + 1)]
-    assert max(np.ptp(one) for one in each) < 1e-12
-    assert np.std([one[0] for one in each]) == pytest.approx(0.05, rel=0.4)
+    by_setup = [ratio[TRIALS.setup == setup] for setup in range(TRIALS.setup.max() + 1)]
+    assert max(np.ptp(ratios) for ratios in by_setup) < 1e-12
+    assert np.std([ratios[0] for ratios in by_setup]) == pytest.approx(0.05, rel=0.4)
 
 
 def test_a_late_sensor_is_late_and_lost_events_are_lost():
@@ -81,7 +81,7 @@ def test_the_masses_ring_against_each_other():
     board, start = board_of(nature(), TRIALS), np.zeros((len(TRIALS), 1))
     rng = np.random.default_rng(3)
     drive, load = disturbed_trains(trains, board, start, Nuisances(ring_m=5e-5), rng)
-    moved = [one.time_s - time for one in (drive, load)]
+    moved = [sensor.time_s - time for sensor in (drive, load)]
     speed = np.gradient(np.arange(60), time) * SPACING_M
     assert np.abs(moved[0] * speed).max() < 5e-5
     weighed = TRIALS.drive_kg[0] * moved[0] + TRIALS.load_kg[0] * moved[1]
@@ -91,7 +91,7 @@ def test_the_masses_ring_against_each_other():
 
 def test_sizes_are_drawn_anew_for_each_case():
     drawn = [draw_nuisances(np.random.default_rng(seed)) for seed in range(400)]
-    wander = np.array([one.wander for one in drawn])
+    wander = np.array([nuisances.wander for nuisances in drawn])
     # Half-normal of scale 1 %.
     assert wander.mean() == pytest.approx(0.01 * np.sqrt(2 / np.pi), rel=0.12)
-    assert np.mean([one.stray != 0 for one in drawn]) == pytest.approx(0.3, abs=0.07)
+    assert np.mean([nuisances.stray != 0 for nuisances in drawn]) == pytest.approx(0.3, abs=0.07)

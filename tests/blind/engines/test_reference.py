@@ -66,8 +66,8 @@ def test_a_recording_that_is_written_keeps_its_fingerprint(pair, tmp_path):
     text = (tmp_path / "case" / "datapackage.json").read_text()
     package = json.loads(text)
     assert set(package) == {"name", "title", "sources", "licenses", "rig", "resources"}
-    for told in (*reference.effect_names(), "seed", "foreign", "truth"):
-        assert told not in text
+    for word in (*reference.effect_names(), "seed", "foreign", "truth"):
+        assert word not in text
 
 
 def test_what_is_written_down_does_not_depend_on_what_is_withheld(none, pair):
@@ -83,9 +83,9 @@ def test_the_truth_names_form_and_strength(pair):
     assert (first["name"], first["own"], first["strength"]) == ("viscous", False, 0.3)
     assert first["form"] in {"power", "thinning"}
     assert second["axes"] == ["order"]
-    together = sum(one["strength"] for one in pair.truth["background"])
+    together = sum(effect["strength"] for effect in pair.truth["background"])
     assert 0 < 0.1 * together < 0.005
-    names = {one["name"] for one in pair.truth["background"]}
+    names = {effect["name"] for effect in pair.truth["background"]}
     assert len(names) >= 3
     assert not names & {"viscous", "wear-drift"}
 
@@ -139,7 +139,7 @@ def test_what_acts_beside_is_small_and_is_what_the_noisy_recording_has(pair, bar
 
 
 def test_faults_are_where_the_truth_says(pair):
-    told = pair.truth["awkward"]
+    awkward = pair.truth["awkward"]
     events = pair.recording.gravity.events
 
     def odd(trial, sensor):
@@ -147,11 +147,11 @@ def test_faults_are_where_the_truth_says(pair):
         return np.diff(train["time_s"], 2)
 
     # A missed event doubles an interval, a bounce splits one off of 0.4 ms.
-    assert odd(*told["dropped"]).max() > 0.006
-    trial, sensor = told["doubled"]
+    assert odd(*awkward["dropped"]).max() > 0.006
+    trial, sensor = awkward["doubled"]
     train = events[(events["trial"] == trial) & (events["sensor"] == sensor)]
     assert np.diff(train["time_s"]).min() == pytest.approx(4e-4, abs=4e-6)
-    slow = events[(events["trial"] == told["nearly_stalls"]) & (events["sensor"] == "drive")]
+    slow = events[(events["trial"] == awkward["nearly_stalls"]) & (events["sensor"] == "drive")]
     fit = np.polyfit(slow["time_s"], slow["displacement_m"], 2)
     assert 2 * fit[0] < 0.15
 
@@ -159,9 +159,9 @@ def test_faults_are_where_the_truth_says(pair):
 def test_gaps_in_the_design_come_with_some_seeds_and_spare_what_is_needed():
     drawn = [nuisances.draw_awkward(np.random.default_rng(seed), {""}, True) for seed in range(400)]
     for share in (
-        np.mean([one.sensors != "both" for one in drawn]),
-        np.mean([not one.motor_board for one in drawn]),
-        np.mean([one.unbalanced for one in drawn]),
+        np.mean([design.sensors != "both" for design in drawn]),
+        np.mean([not design.motor_board for design in drawn]),
+        np.mean([design.unbalanced for design in drawn]),
     ):
         assert 0.07 < share < 0.17
     for seed in range(100):
@@ -176,12 +176,14 @@ def test_a_design_with_gaps_is_a_recording():
     seed = next(
         seed
         for seed in range(1000)
-        if (one := make_awkward(seed)).unbalanced and one.sensors != "both" and not one.motor_board
+        if (gaps := make_awkward(seed)).unbalanced
+        and gaps.sensors != "both"
+        and not gaps.motor_board
     )
     made = make(NONE, seed)
-    told = made.truth["awkward"]
+    awkward = made.truth["awkward"]
     assert made.recording.motor is None
-    assert set(made.recording.gravity.events["sensor"]) == {told["sensors"]}
+    assert set(made.recording.gravity.events["sensor"]) == {awkward["sensors"]}
     trials = made.recording.gravity.trials
     assert 140 < len(trials) < 175
     assert trials.groupby("setup").size().min() >= 2
@@ -195,12 +197,12 @@ def make_awkward(seed):
 def test_axes_and_forms_that_others_ask_for():
     assert len(reference.effect_names()) == 24
     assert [form.own for form in reference.forms("stribeck")] == [True, True, False, False]
-    axes = {one.name: one.axes for one in OUTSIDERS}
+    axes = {outsider.name: outsider.axes for outsider in OUTSIDERS}
     assert tuple(axes) == reference.outsider_names()
     assert axes["speed-by-tension"] == ("velocity", "tension")
-    told = {axis for of_one in axes.values() for axis in of_one}
-    assert told <= AXES
-    assert len(told) >= 7
+    named_axes = {axis for of_one in axes.values() for axis in of_one}
+    assert named_axes <= AXES
+    assert len(named_axes) >= 7
 
 
 def test_ends_differ_by_what_is_withheld_and_by_nothing_beside(none):
