@@ -94,6 +94,7 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield from gain_lines(stored.margins, alone=fitted is None)
     if fitted is None and pooled is None and diagnosed is None:  # the answer stands first
         yield from worries(stored)
+    yield from notes(stored)
     if stored.margins is not None and fitted is None:
         yield from gain_figures(stored.margins)
     if stored.scorecard is not None and fitted is None:
@@ -281,19 +282,19 @@ def _capital(line: str) -> str:
     return line[:1].upper() + line[1:]
 
 
-def worries(stored: StoredResults) -> Iterator[Block]:
-    """Yield what must be kept in mind when the numbers are used: all checks that failed."""
+def _remarks(stored: StoredResults) -> tuple[list[str], list[str]]:
+    """Return the remarks of all results as sentences: those to heed, and the harmless ones."""
     fit = stored.pooled if stored.fitted is None else stored.fitted.fit
     diagnosed = stored.diagnosis
     at_numbers = set() if diagnosed is None else told_at_numbers(diagnosed.record)
     why = None if diagnosed is None or diagnosed.record.joints else diagnosed.record.overruled_by
     remarks = [
-        (name, line)
-        for name, line in attention_of_all(stored.records)
+        line
+        for _, line in attention_of_all(stored.records)
         if line not in at_numbers and not (why is not None and why in line)  # the verdict says why
     ]
     lines = [
-        line.removesuffix(".") + "." if fit is None else _remark(line, fit) for _, line in remarks
+        line.removesuffix(".") + "." if fit is None else _remark(line, fit) for line in remarks
     ]
     if stored.margins is not None and len(stored.margins.loops) == 1:
         name = f"{stored.margins.loops[0].name}: "  # of one loop, which the answer names
@@ -304,30 +305,44 @@ def worries(stored: StoredResults) -> Iterator[Block]:
             "friction computed from these coefficients may be wrong by as much as the gap, on top "
             "of the errors stated."
         )
-    heeded, harmless = by_weight(lines)
+    return by_weight(lines)
+
+
+def worries(stored: StoredResults) -> Iterator[Notice]:
+    """Yield what must be kept in mind when the numbers are used, or that every check passed."""
+    heeded, harmless = _remarks(stored)
     if len(heeded) > 1:
         yield Notice("attention", f"{len(heeded)} remarks on these numbers:", points=heeded)
     elif heeded:
         yield Notice("attention", *heeded)
-    if harmless:
-        passed = fit is not None and fit.converged and not heeded
-        rest = ["Every other check passed."] if passed else []
-        if len(harmless) == 1:
-            yield Notice("info", " ".join([*harmless, *rest]))
-        else:
-            begun = f"{len(harmless)} remarks, of which none asks for action."
-            yield Notice("info", " ".join([begun, *rest]), points=harmless)
-    if not lines and fit is None and diagnosed is not None and is_sound(diagnosed.record):
+    if heeded or harmless:
+        return
+    fit = stored.pooled if stored.fitted is None else stored.fitted.fit
+    diagnosed = stored.diagnosis
+    if fit is None and diagnosed is not None and is_sound(diagnosed.record):
         yield Notice(
             "good",
             "With these numbers the error on held-out data is no larger than scatter makes it, and "
             "every check passed.",
             title="Confirmed by held-out data",
         )
-    if not lines and fit is not None and fit.converged:
+    if fit is not None and fit.converged:
         yield Notice(
             "good",
             "Every R-hat and every effective sample size is within its bound, and every check "
             "passed.",
             title="The fit passes its checks",
         )
+
+
+def notes(stored: StoredResults) -> Iterator[Notice]:
+    """Yield the remarks that ask for nothing, which may go on to page two."""
+    heeded, harmless = _remarks(stored)
+    fit = stored.pooled if stored.fitted is None else stored.fitted.fit
+    passed = fit is not None and fit.converged and not heeded
+    rest = ["Every other check passed."] if passed else []
+    if len(harmless) == 1:
+        yield Notice("info", " ".join([*harmless, *rest]))
+    elif harmless:
+        begun = f"{len(harmless)} remarks, of which none asks for action."
+        yield Notice("info", " ".join([begun, *rest]), points=harmless)
