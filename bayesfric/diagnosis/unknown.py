@@ -18,6 +18,8 @@ from bayesfric.inference.information import Information
 
 LIKELY = 50.0  # an unknown force within this of the best is evaluated again [nat]
 QUANTILES = (0.1, 0.3, 0.5, 0.7, 0.9)  # of the rms of an unknown force
+BEYOND = (2.0, 4.0, 8.0)  # times the largest of them, where the force is even larger
+RARE = 0.01  # prior probability of each of these, over that of a quantile
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,7 @@ class _Grid:
     forms: Mapping[str, FormShare]
     nodes: tuple[Wide, ...]
     idle: Flags
+    log_prior: Array
 
     def information(self, psi: Array) -> Information:
         """Return the information of coefficients, at noise parameters."""
@@ -76,7 +79,10 @@ class _Grid:
         return self.model.mixed(said, places, self.acting)
 
     def log_evidences(self, psi: Array, of: Whole) -> Array:
-        """Return the log evidence of some nodes at noise parameters; -inf where idle."""
+        """Return the log evidence of some nodes at noise parameters, times their prior weights.
+
+        It is -inf where a node is idle.
+        """
         information = self.information(psi)
         priors = [self.model.amplitude_prior(law) for law in self.acting.laws]
         nothing = np.array([], dtype=np.intp)
@@ -87,7 +93,26 @@ class _Grid:
             ).log_evidence
             for n in of
         ]
-        return np.where(self.idle[of], -np.inf, log_prior + np.array(log_densities))
+        log_evidences = log_prior + np.array(log_densities) + self.log_prior[of]
+        return np.where(self.idle[of], -np.inf, log_evidences)
+
+    def beyond(self, node: Wide) -> "_Grid | None":
+        """Return the grid with forces larger than a node; None if it is not the largest quantile.
+
+        A force may be many times larger than the prior's quantiles, as that of another joint that
+        moves. Elsewhere these nodes would add nothing to the evidence.
+        """
+        top = self.nodes[len(QUANTILES) - 1].share
+        larger = tuple(replace(node, share=factor * top) for factor in BEYOND)
+        if node.share != top or larger[0] in self.nodes:
+            return None
+        rare = np.full(len(larger), self.log_prior[0] + np.log(RARE))
+        return replace(
+            self,
+            nodes=(*self.nodes, *larger),
+            idle=np.append(self.idle, np.zeros(len(larger), dtype=np.bool_)),
+            log_prior=np.append(self.log_prior, rare),
+        )
 
     def likeliest(self, starts: Sequence[Array]) -> Array:
         """Return the noise parameters at which a force of middling size is likeliest."""
@@ -131,6 +156,11 @@ def unknown_force(
     psi = grid.likeliest([psi, grid.model.noise.quiet(psi), *alike])
     log_evidences = grid.log_evidences(psi, np.arange(len(grid.nodes)))
     for _ in range(2):
+        larger = grid.beyond(grid.nodes[int(np.argmax(log_evidences))])
+        if larger is not None:
+            added = np.arange(len(grid.nodes), len(larger.nodes))
+            grid = larger
+            log_evidences = np.append(log_evidences, grid.log_evidences(psi, added))
         # The search for the mode needs few coefficients; the evidence contains all of them.
         small = squeezed(grid.model, psi, grid.nodes[int(np.argmax(log_evidences))])
         there = climb(small, psi, acting, None, forms, inverse)
@@ -144,7 +174,7 @@ def unknown_force(
             break
     likeliest = grid.nodes[int(np.argmax(log_evidences))]
     at = grid.model.integrated(psi, acting, grid.information(psi), likeliest, forms)
-    total = float(logsumexp(log_evidences) - np.log(len(grid.nodes))) + volume
+    total = float(logsumexp(log_evidences)) + volume
     total += over_amplitudes(small, there, acting, forms) + small.weight_volume
     if near is not None and total > near:
         noise = slice(len(grid.model.noise))
@@ -154,8 +184,8 @@ def unknown_force(
     return Unknown(grid.nodes, densities, total, at, acting, without.form)
 
 
-def _nodes(model: LinearModel, axes: Sequence[str]) -> tuple[tuple[Wide, ...], Flags]:
-    """Return the possible rms values and axes of a force, and which of them are scatter."""
+def _nodes(model: LinearModel, axes: Sequence[str]) -> tuple[tuple[Wide, ...], Flags, Array]:
+    """Return possible rms values and axes of a force, which are scatter, and log prior weights."""
     scale = model.analysis.diagnosis.unknown_scale
     shares = [scale * float(ndtri((1 + node) / 2)) for node in QUANTILES]  # half-normal
     # Events resolve an error along speed at hundreds of positions. Forces that also differ by size,
@@ -167,4 +197,5 @@ def _nodes(model: LinearModel, axes: Sequence[str]) -> tuple[tuple[Wide, ...], F
     # Along these axes a force below the practical share is scatter.
     practical = model.analysis.diagnosis.practical_share
     scattering = {axis for rig in model.rigs for axis in rig.rows.scattering_axes}
-    return nodes, np.array([node.axis in scattering and node.share < practical for node in nodes])
+    idle = np.array([node.axis in scattering and node.share < practical for node in nodes])
+    return nodes, idle, np.full(len(nodes), -np.log(len(nodes)))

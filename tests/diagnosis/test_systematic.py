@@ -82,3 +82,28 @@ def test_the_amplitude_of_phases_is_as_well_known_beside_an_unknown_force():
     # Of 36 trials with two amplitudes each the rms is known to 8 %.
     assert strengths["runout"][1] == pytest.approx(0.05, rel=0.2)
     assert strengths["unknown"] == pytest.approx(strengths["runout"], rel=0.05)
+
+
+def test_a_force_far_beyond_the_usual_sizes_has_its_own_size():
+    """Drag of half of friction: its rms after recalibration follows from least squares."""
+    drag = AppliedEffect(all_effects()["viscous"], "friction", {"slope": 4.0})
+    recording = simulate_recording(SMALL, seed=5, rigs=("gravity",), truth=Truth(effects=[drag]))
+    model = LinearModel(data_of(recording), table1_coefficients(), (), Analysis())
+    at = climb(model, model.noise.start, Acting())
+    inverse = np.linalg.inv(curvature_at(model, at, Acting()))
+    none = weigh(model, (), [at.psi], inverse, 0.0)
+    force = unknown_force(model, none, none.acting, inverse, 0.0)
+    assert force.best.share > 0.3  # the largest quantile of the prior is 0.16
+    priors = Analysis().diagnosis.hypotheses
+    search = Search({NONE: none}, {}, force, Classes((), (), {}), priors, inverse, 0.0)
+    residuals = residuals_of(model.full, none.at.psi)
+    drawn = posterior_of(model, search, residuals, np.random.default_rng(1))
+    of_drag = 4.0 * residuals.covariates["velocity"] * residuals.friction_n
+    root, left = np.sqrt(residuals.weight), of_drag.copy()
+    for size in np.unique(residuals.size):
+        own = residuals.size == size
+        law = residuals.columns[own, :3]  # of c1, c2 and c3
+        fitted = np.linalg.lstsq(root[own, None] * law, root[own] * of_drag[own], rcond=None)[0]
+        left[own] -= law @ fitted
+    expected = np.sqrt(residuals.weight @ left**2)
+    assert np.median(drawn.gap) == pytest.approx(expected, rel=0.1)
