@@ -2,6 +2,7 @@
 
 import dataclasses
 import tracemalloc
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -73,6 +74,21 @@ def test_blocks_of_draws_join_without_a_second_copy():
     tracemalloc.stop()
     assert (log_likelihood == z * columns).all()
     assert log_likelihood.nbytes <= peak < 1.4 * log_likelihood.nbytes
+
+
+def test_a_draw_that_is_repeated_is_evaluated_once():
+    seen = []
+
+    def densities(theta):
+        seen.extend(theta["x"].tolist())
+        return np.stack([theta["x"], 2 * theta["x"]], axis=1)
+
+    model = Named()
+    model.likelihoods = [SimpleNamespace(setup_log_likelihood=densities)]
+    z = np.array([3.0, 1.0, 3.0, 2.0, 1.0, 3.0])[:, None]
+    (found,) = setup_log_densities(model, z)
+    assert sorted(seen) == [1.0, 2.0, 3.0]
+    np.testing.assert_array_equal(found, z * [1.0, 2.0])
 
 
 @pytest.fixture(scope="module")

@@ -207,8 +207,11 @@ def setup_log_densities(model: Model, z: Array) -> list[Array]:
     ValueError
         A density is not finite for some draw.
     """
+    # Draws of an importance sample are repeated by their weights; each point is evaluated once.
+    points, place = np.unique(z, axis=0, return_inverse=True)
     parts = [
-        by_blocks(model, likelihood.setup_log_likelihood, z) for likelihood in model.likelihoods
+        by_blocks(model, likelihood.setup_log_likelihood, points)[place.ravel()]
+        for likelihood in model.likelihoods
     ]
     if not all(np.isfinite(part).all() for part in parts):
         raise ValueError("the log density of an assembly is not finite")
