@@ -91,12 +91,18 @@ def off_now(diagnosis: DiagnosisFile) -> str:
     these = "the proposed numbers"
     if is_by_instrument(diagnosis):
         these = "the least-squares numbers, which differ from the proposed ones,"
-    if any(_has_no_field(number) for number in diagnosis.enter):
-        these += " and those that no simulator has a field for,"
-    these = these.removesuffix(",")
+    begun = f"Error on held-out data: {now:.2g} {gap.unit} rms{share} with {whose}, "
+    entered = f"{gap.after.q50:.2g} {gap.unit} rms"
+    lacking = [number.lost_without for number in diagnosis.enter if _has_no_field(number)]
+    if not lacking:
+        return f"{begun}{entered} with {these.removesuffix(',')}."
+    if None in lacking:
+        return f"{begun}{entered} with {these} and those that no simulator has a field for."
+    # The forces that a simulation lacks are independent of what the law leaves.
+    alone = math.hypot(gap.after.q50, *filter(None, lacking))
     return (
-        f"Error on held-out data: {now:.2g} {gap.unit} rms{share} with {whose}, "
-        f"{gap.after.q50:.2g} {gap.unit} rms with {these}."
+        f"{begun}about {alone:.2g} {gap.unit} rms with {these.removesuffix(',')}, and {entered} if "
+        "those that no simulator has a field for act as well."
     )
 
 

@@ -69,7 +69,10 @@ def test_the_first_line_says_which_gain_to_set(computed):
 def test_an_assumed_number_that_decides_the_answer_is_a_warning(computed):
     """At 98 % of the variance the reader is told to measure it; at 40 % nothing is orange."""
     loop = computed.summary.loops[0]
-    for share, titles in ((0.98, ["An assumed number decides most"]), (0.4, [])):
+    for share, titles in (
+        (0.98, ["An assumed number makes most of friction's variance"]),
+        (0.4, []),
+    ):
         shares = {"gamma_necessary": {"c1, c2, c3": 1 - share, "drive.friction_n_m": share}}
         decided = loop.model_copy(update={"variance_share": shares})
         alone = computed.summary.model_copy(update={"loops": (decided,)})

@@ -221,11 +221,11 @@ def _which(record: DiagnosisFile) -> Figure | Paragraph:
     hypotheses: list[Inline] = ["All hypotheses: ", Code("diagnosis.json"), "."]
     if not any(effect.probability > RARE for effect in included):
         none = f"No effect has a posterior probability above {format_probability(RARE)}. "
-        return Paragraph([Strong("Which effect."), " ", *most, none, *hypotheses])
+        return Paragraph([Strong("Hypotheses."), " ", *most, none, *hypotheses])
     return Figure(
         svg_of(what_acts, included, record.practical_share),
         [
-            Strong("Which effect."),
+            Strong("Hypotheses."),
             " ",
             *most,
             "Left: posterior probability that an effect acts, summed over all hypotheses; dotted "

@@ -65,7 +65,7 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
             f"{title}{of}.{said}{_wrong(joint)}{after}",
             *(_estimates(joint.enter) if is_contradicted(joint) else _to_enter(joint.enter)),
             label="enter" if not diagnosis.joints else f"enter-{place}",
-        )
+        ).filled()
         remarks = list(remarks_of_numbers(joint.enter))
         if remarks:
             yield BulletList(remarks)

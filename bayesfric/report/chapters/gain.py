@@ -85,7 +85,7 @@ def _deciding_numbers(loops: Sequence[LoopMargins]) -> Iterator[Block]:
         said = " ".join(_decided(loop))
         of = f"{loop.name}: " if len(loops) > 1 else ""
         if _deciding(loop) is not None:
-            title = f"{of}{'an' if of else 'An'} assumed number decides most"
+            title = f"{of}{'an' if of else 'An'} assumed number makes most of friction's variance"
             yield Notice("attention", said, title=title)
         elif said:
             yield Paragraph([Code(loop.name), f": {said}"] if of else said)
