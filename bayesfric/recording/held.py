@@ -1,5 +1,7 @@
 """Held readings: a slow sensor in a fast log, which repeats the last value."""
 
+from itertools import pairwise
+
 import numpy as np
 import pandas as pd
 
@@ -224,13 +226,35 @@ def _moves_with(position: Array, force: Array) -> bool:
 def _readings(position: Array, force: Array) -> Flags:
     """Return the samples at which a held position has a new reading, (N,)."""
     if _jumps(position):
-        return renewed(position)
+        return _with_equal_readings(renewed(position), held_for(position))
     if held_for(force) > 1 and _moves_with(position, force):
-        return renewed(force)
+        return _with_equal_readings(renewed(force), held_for(force))
     count, moved = _in_step(position), renewed(position)
     phases = np.bincount(np.flatnonzero(moved[1:]) % count)
     rows = np.arange(-1, position.size - 1)  # before each move
     return np.asarray((rows < 0) | (rows % count == np.argmax(phases)))
+
+
+def _with_equal_readings(new: Flags, count: int) -> Flags:
+    """Return the samples of all readings, also of those that equal the previous one, (N,).
+
+    They are where no new value came for the time of two or more readings. Without them the joint
+    would seem to move on evenly where it stood still.
+
+    Parameters
+    ----------
+    new : ndarray of bool, shape (N,)
+        Samples with a new value.
+    count : int
+        For how many samples a reading is held.
+    """
+    every = new.copy()
+    starts = np.append(np.flatnonzero(new), new.size)
+    for start, stop in pairwise(starts.tolist()):
+        parts = round((stop - start) / count)
+        if parts > 1:
+            every[np.round(np.linspace(start, stop, parts, endpoint=False)).astype(np.intp)] = True
+    return every
 
 
 def _jumps(position: Array) -> bool:

@@ -144,3 +144,16 @@ def test_a_position_that_moves_a_few_times_when_its_force_does_may_do_so_by_chan
     position = np.where(np.arange(200) < 60, 0.0, np.where(np.arange(200) < 120, 1e-3, 2e-3))
     assert held_for(force) == 2
     assert position_held_for(position, force) == 1
+
+
+def test_a_reading_that_equals_the_one_before_is_a_reading_too():
+    """At a stop readings are alike: without them the rows beside it seemed to be late."""
+    time = 0.002 * np.arange(6000)
+    position = np.maximum(np.sin(2 * np.pi * 0.4 * time), -0.8)
+    held = np.arange(6000) // 3 * 3
+    force = np.cos(2 * np.pi * 0.4 * time)[held]
+    samples = pd.DataFrame({"time_s": time, "position_m": position[held], "force_n": force})
+    rows, said = released(samples, "commanded")
+    assert said == "each reading is held, position for 3 samples"
+    np.testing.assert_allclose(rows["time_s"], time[::3], atol=0.0021)
+    np.testing.assert_allclose(np.diff(rows["time_s"]).max(), 0.006, atol=0.0021)

@@ -43,7 +43,7 @@ def test_a_spring_that_the_encoder_does_not_resolve_is_not_examined():
 
     How a load follows is told along a path that has the errors of the force's own inertia.
     """
-    counts = {"count": 4e-3, "sampled_hz": 200.0, "seconds": 4.0, "damping": 3.0}
+    counts = {"count": 2e-3, "sampled_hz": 1000.0, "seconds": 4.0, "damping": 3.0}
     joint = LoopedJoint(coulomb=0.8, gravity=0.0, **counts)
     runs = AXIS.trials(joint.recording())
     assert max(runs.measures.lengths["play"]) > 2 * joint.count

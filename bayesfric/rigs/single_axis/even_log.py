@@ -6,18 +6,16 @@ from functools import lru_cache
 
 import numpy as np
 import scipy
-from numpy.lib.stride_tricks import sliding_window_view
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
+from bayesfric.rigs.single_axis.even_clock import even_clock
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
 NORMAL = 1.4826  # from the median of absolute deviations to a standard deviation
 SLOW = 0.2  # share of the top speed from which the direction of the axis must be resolved
 FINE = 0.005  # error of a speed that is small enough, relative to the top speed
 QUICK = 3  # least samples on either side of a polynomial of fourth degree
-MOST_OFF = 2.0  # largest deviation of a time stamp from an even clock [intervals]
-SMOOTHER = 2.0  # factor by which positions must be smoother on the even clock than on the stamps
 
 
 @dataclass(frozen=True)
@@ -92,6 +90,7 @@ def even_grid(
     columns: dict[str, Array],
     *,
     force_time_s: Array | None = None,
+    one_clock: bool = False,
     steps: bool = False,
 ) -> EvenLog | None:
     """Interpolate a log to an even grid of time; None if it is too short.
@@ -107,18 +106,24 @@ def even_grid(
     columns : dict of str to ndarray, shape (N,)
         ``position``, ``force`` and further columns.
     force_time_s : ndarray, or None
-        Increasing times of the force readings, if they have their own clock; it has as many
+        Increasing times of the force readings, if they differ from `time_s`; it has as many
         values as ``force`` [s].
+    one_clock : bool
+        Whether the same clock gave the times of force readings and positions. What corrects the
+        one then corrects the other.
     steps : bool
         Whether each value of ``force`` is held until the next, as a command is.
     """
     if time_s.size < AXIS_RULES.least_samples:
         return None
-    time_s, stamps_sd = even_clock(time_s, columns["position"])
+    stamps = time_s
+    time_s, stamps_sd = even_clock(stamps, columns["position"])
     between = np.diff(time_s)
     interval = float(np.median(between))
     is_logged = np.ones(time_s.size, dtype=np.bool_)
     force_clock = time_s if force_time_s is None else force_time_s
+    if force_time_s is not None and one_clock:
+        force_clock = force_time_s + np.interp(force_time_s, stamps, time_s - stamps)
     force = columns["force"]
     columns = {name: values for name, values in columns.items() if name != "force"}
     if np.abs(between - interval).max() > AXIS_RULES.uneven * interval:
@@ -138,49 +143,6 @@ def even_grid(
     return EvenLog(
         grid, position, force, is_logged, interval, on_grid, moment=moment, stamps_sd_s=stamps_sd
     )
-
-
-def even_clock(time_s: Array, position: Array) -> tuple[Array, float]:
-    """Replace time stamps by an even clock if they jitter about it.
-
-    A host that stamps readings on arrival stamps them too early or too late, although they were
-    taken evenly. Positions are then smoother on the even clock than on the stamps.
-
-    Parameters
-    ----------
-    time_s, position : ndarray, shape (N,)
-        The time stamps, increasing [s], and the positions.
-
-    Returns
-    -------
-    time_s : ndarray, shape (N,)
-        The even clock, or the stamps if they do not jitter [s].
-    stamps_sd_s : float
-        Rms deviation of the stamps from the even clock; 0 if the stamps are returned [s].
-    """
-    number = np.arange(time_s.size, dtype=np.float64)
-    even = np.polynomial.Polynomial.fit(number, time_s, 1)(number)
-    off, interval = time_s - even, float(even[1] - even[0])
-    size = float(np.sqrt(np.mean(off**2)))
-    jitters = size > AXIS_RULES.uneven * interval and np.abs(off).max() < MOST_OFF * interval
-    jitters &= bool(np.ptp(position) > 0)  # a constant position is smooth on any clock
-    if not jitters or _roughness(even, position) * SMOOTHER > _roughness(time_s, position):
-        return time_s, 0.0
-    return np.asarray(even), size
-
-
-def _roughness(time_s: Array, position: Array) -> float:
-    """Return the rms deviation of readings from the cubic through two neighbours on each side."""
-    times, values = (sliding_window_view(x, 5) for x in (time_s, position))
-    around = [0, 1, 3, 4]
-    cubic = np.zeros(len(times))
-    for k in around:
-        others = [j for j in around if j != k]
-        weight = np.prod(
-            [(times[:, 2] - times[:, j]) / (times[:, k] - times[:, j]) for j in others], axis=0
-        )
-        cubic += weight * values[:, k]
-    return float(np.sqrt(np.mean((values[:, 2] - cubic) ** 2)))
 
 
 def _steps_of(grid: Array, interval: float, time_s: Array, sent: Array) -> tuple[Array, Array]:

@@ -4,11 +4,13 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from bayesfric.arrays import Array
-from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.arrays import Array, Whole
+from bayesfric.rigs.single_axis.even_log import EvenLog, sample_noise
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 
 BESIDE = 3  # half windows from which the second derivative is estimated
+MISSED = 2.0  # larger squared differences than errors of the force make, by this factor
+EXACT = 3  # degree of the polynomials whose second derivative is exact near a reversal
 
 
 def force_curvature(
@@ -16,9 +18,11 @@ def force_curvature(
 ) -> Array:
     """Return the second derivative of the force around each window, shape (W,) [N/s²].
 
-    An estimate from the window's own samples would contain the errors of its mean force with
-    opposite sign: a row would be explained by its own error. They are used only if the axis
-    reverses too close to the window: friction jumps there, and a compliance responds to the jump.
+    An estimate by the window's own samples, ∫ φ'' F dt, contains the errors of its mean force with
+    opposite sign: a row would be explained by its own error. So samples beside the window are used.
+    If the axis reverses among them, friction jumps there, and a compliance responds to the jump.
+    Then the window's own samples are used, unless errors of the force explain how they differ from
+    the estimate by :func:`_orthogonal`, which does not contain the errors of the mean force.
 
     Parameters
     ----------
@@ -31,17 +35,67 @@ def force_curvature(
     runs : ndarray, shape (N + 1,)
         Sum of the directions (1, −1, or 0 if unknown) of all samples before each sample.
     """
-    half, count = test.half, log.time_s.size
+    half = test.half
     wide = BESIDE * half
-    curvature = test.over(log.force, test.curvature, centres)
-    free = (centres >= wide) & (centres < count - wide)
-    inside = centres[free]
-    free[free] = np.abs(runs[inside + wide + 1] - runs[inside - wide]) == 2 * wide + 1
+    before, after = _one_way(np.diff(runs), centres, half, wide)
+    curvature = np.zeros(centres.size)
+    free = (before == wide) & (after == wide)
     if free.any():
         kernel = _beside(half, wide, log.interval_s)
         windows = sliding_window_view(log.force, kernel.size)
         curvature[free] = windows[centres[free] - wide] @ kernel
+    near = np.flatnonzero(~free)
+    curvature[near] = _near_reversals(log, test, centres[near], before[near], after[near])
     return curvature
+
+
+def _near_reversals(
+    log: EvenLog, test: TestFunction, centres: Whole, before: Whole, after: Whole
+) -> Array:
+    """Return the second derivative in windows near a reversal, (V,); see :func:`force_curvature`.
+
+    `before` and `after` are the numbers of samples with the direction of the window, (V,).
+    """
+    own = test.over(log.force, test.curvature, centres)
+    beside, variance = np.zeros(own.size), np.zeros(own.size)
+    for extent in {*zip(before.tolist(), after.tolist(), strict=True)}:
+        kernel = _orthogonal(test, *extent, log.interval_s)
+        mine = (before == extent[0]) & (after == extent[1])
+        windows = sliding_window_view(log.force, kernel.size)
+        beside[mine] = windows[centres[mine] - extent[0]] @ kernel
+        kernel[extent[0] - test.half : extent[0] + test.half + 1] -= test.curvature
+        variance[mine] = kernel @ kernel
+    by_errors = sample_noise(log.force) ** 2 * float(variance.sum())
+    return own if np.sum((own - beside) ** 2) > MISSED * by_errors else beside
+
+
+def _one_way(way: Array, centres: Whole, half: int, wide: int) -> tuple[Whole, Whole]:
+    """Return the number of samples before and after each window's middle with its direction, (W,).
+
+    They are between `half` and `wide`.
+    """
+    place = np.arange(way.size)
+    changes = np.flatnonzero(np.diff(way) != 0)
+    first = np.concatenate([[0], changes + 1])
+    last = np.concatenate([changes, [way.size - 1]])
+    stretch = np.searchsorted(first, place, side="right") - 1
+    before = centres - first[stretch[centres]]
+    after = last[stretch[centres]] - centres
+    return np.clip(before, half, wide), np.clip(after, half, wide)
+
+
+def _orthogonal(test: TestFunction, before: int, after: int, interval_s: float) -> Array:
+    """Return weights for a second derivative that are orthogonal to φ, (before + 1 + after,).
+
+    They are the smallest that are exact for polynomials of degree :data:`EXACT`.
+    """
+    place = np.arange(-before, after + 1.0) / test.half
+    value = np.zeros(place.size)
+    value[before - test.half : before + test.half + 1] = test.value / np.abs(test.value).max()
+    wanted = np.zeros(EXACT + 2)
+    wanted[2] = 2 / (test.half * interval_s) ** 2
+    held = np.stack([*(place**power for power in range(EXACT + 1)), value])
+    return np.asarray(np.linalg.solve(held @ held.T, wanted) @ held)
 
 
 def _beside(half: int, wide: int, interval_s: float) -> Array:

@@ -189,7 +189,8 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
         steps = not force_is_held(whole["position_m"].to_numpy(dtype=np.float64), force)
         if steps:
             columns["force"], own = force, _time_of_force(whole)
-    log = even_grid(time, columns, force_time_s=own, steps=steps)
+    one_clock = "force_time_s" not in samples
+    log = even_grid(time, columns, force_time_s=own, one_clock=one_clock, steps=steps)
     if log is None:
         return None
     if tells_commands:
