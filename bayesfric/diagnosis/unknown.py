@@ -156,11 +156,7 @@ def unknown_force(
     psi = grid.likeliest([psi, grid.model.noise.quiet(psi), *alike])
     log_evidences = grid.log_evidences(psi, np.arange(len(grid.nodes)))
     for _ in range(2):
-        larger = grid.beyond(grid.nodes[int(np.argmax(log_evidences))])
-        if larger is not None:
-            added = np.arange(len(grid.nodes), len(larger.nodes))
-            grid = larger
-            log_evidences = np.append(log_evidences, grid.log_evidences(psi, added))
+        grid, log_evidences = _with_larger(grid, psi, log_evidences)
         # The search for the mode needs few coefficients; the evidence contains all of them.
         small = squeezed(grid.model, psi, grid.nodes[int(np.argmax(log_evidences))])
         there = climb(small, psi, acting, None, forms, inverse)
@@ -182,6 +178,15 @@ def unknown_force(
     # All axes together and each single axis have the same prior probability.
     densities = log_evidences - logsumexp(log_evidences)
     return Unknown(grid.nodes, densities, total, at, acting, without.form)
+
+
+def _with_larger(grid: _Grid, psi: Array, log_evidences: Array) -> tuple[_Grid, Array]:
+    """Return a grid and its log evidences, with larger forces where the largest is the best."""
+    extended = grid.beyond(grid.nodes[int(np.argmax(log_evidences))])
+    if extended is None:
+        return grid, log_evidences
+    added = extended.log_evidences(psi, np.arange(len(grid.nodes), len(extended.nodes)))
+    return extended, np.append(log_evidences, added)
 
 
 def _nodes(model: LinearModel, axes: Sequence[str]) -> tuple[tuple[Wide, ...], Flags, Array]:
