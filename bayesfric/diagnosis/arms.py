@@ -81,11 +81,12 @@ class Arms:
         residuals : Residuals
             Windows of `plain`.
         sets : sequence of ndarray of bool, shape (R,)
-            Windows that are left out together; single assemblies can be left out in any case.
+            Windows that are left out together.
         """
         first = np.unique(residuals.trial, return_index=True)[1]
         gone = [np.bincount(residuals.trial, windows) > 0 for windows in sets]
-        together = np.unique([residuals.setup[first], *gone], axis=1, return_inverse=True)[1]
+        whole = np.zeros_like(first)  # the only group if nothing is left out
+        together = np.unique([whole, *gone], axis=1, return_inverse=True)[1]
         ends = np.cumsum([len(rig.rows.table) for rig in self.plain.rigs])[:-1]
         names = [rig.rows.name for rig in self.plain.rigs]
         of_rigs = dict(zip(names, np.split(together.ravel(), ends), strict=True))

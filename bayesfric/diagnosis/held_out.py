@@ -9,7 +9,7 @@ assemblies.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -125,8 +125,13 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
     def fitted(out: Flags) -> tuple[Fitted, ...]:
         return arms.fitted(beside, residuals, out)
 
+    def held(arms_of_fold: Sequence[Fitted], out: Flags) -> tuple[Fitted, ...]:
+        """Return arms with the further force of the held-out windows alone: it is large."""
+        return tuple(replace(arm, further=arm.further[out]) for arm in arms_of_fold)
+
     whole = fitted(np.zeros(fold.size, dtype=np.bool_))
-    by_fold = [*map(fitted, outs), whole]  # the last is for windows in no fold (IN_NONE)
+    by_fold = [held(fitted(out), out) for out in outs]
+    by_fold.append(held(whole, fold == IN_NONE))
     place = np.arange(fold.size)
     left, chance2 = np.empty((2, 3, fold.size))
     for arm in range(3):
@@ -233,7 +238,7 @@ def _by_chance(
         rows = fold == number
         assert arm.refit is not None
         left = drawn[rows] - arm.refit.design[rows] @ (arm.refit.smoothing @ drawn)
-        left += arm.further[rows] @ rng.standard_normal((arm.further.shape[1], DRAWS))
+        left += arm.further @ rng.standard_normal((arm.further.shape[1], DRAWS))
         expected = (scatter2 - arm.chance2)[rows, None]
         squares += residuals.weight[rows] @ (left**2 + expected)
     return squares

@@ -47,3 +47,24 @@ def test_held_out_data_cannot_tell_a_cause_from_clocks():
     density = density_of(SimpleNamespace(), ["delay"], like_clocks=True)
     assert density["held_out_log_density"] is None
     assert "clocks that differ" in density["held_out_log_density_why"]
+
+
+def groups_of(sets):
+    """Return the groups of six trials of three assemblies, of which sets can be left out."""
+    group_of_trial = {}
+    trials = np.arange(6)
+    model = SimpleNamespace(laws={}, around=lambda *_, together: group_of_trial.update(together))
+    rig = SimpleNamespace(rows=SimpleNamespace(name="gravity", table=trials))
+    plain = SimpleNamespace(rigs=(rig,), candidates=())
+    windows = SimpleNamespace(trial=np.repeat(trials, 2))
+    arms = Arms(plain, model, np.zeros(0), Acting(), None)
+    arms.with_discrepancy(windows, [np.isin(windows.trial, of) for of in sets])
+    return group_of_trial["gravity"].tolist()
+
+
+def test_trials_that_are_left_out_together_are_one_group():
+    assert groups_of([]) == [0] * 6
+    first, second, *rest = groups_of([[0, 1], [1, 2, 3]])
+    assert rest[0] == rest[1]
+    assert rest[2] == rest[3]
+    assert len({first, second, rest[0], rest[2]}) == 4

@@ -23,6 +23,7 @@ from bayesfric.observation.heavy_scatter import HeavyScatter
 from bayesfric.observation.linear import with_heavy_scatter
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
+from bayesfric.rigs.gravity_board import linear
 from bayesfric.rigs.gravity_board.late_clock import clock_sd_s
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
@@ -167,6 +168,22 @@ def test_a_noise_that_many_start_from_is_computed_once():
         assert information.slope.tolist() == [-1.0, *places, -2.0]
         assert information.precision.diagonal().tolist() == [1.0, *np.square(places), 4.0]
     assert calls == [[0, 1, 2, 3]]
+
+
+def test_sums_of_many_effects_are_made_size_by_size(model, monkeypatch):
+    """And not kept: those of all candidates take much memory."""
+    part = copy.copy(model.rigs[0])
+    part._cached_sums = {}
+    asked = np.eye(len(model.candidates)), np.arange(ALWAYS), ALWAYS, None
+    kept = part._hypothesis_sums(*asked)
+    assert part._hypothesis_sums(*asked) is kept
+    part._cached_sums = {}
+    monkeypatch.setattr(linear, "KEPT", 0)
+    made = part._hypothesis_sums(*asked)
+    first = next(iter(made))
+    np.testing.assert_array_equal(first.across, kept[0].across)
+    assert len(list(made)) == len(kept) - 1
+    assert part._cached_sums == {}
 
 
 def test_long_trials_whose_scatter_is_all_that_they_show(model):

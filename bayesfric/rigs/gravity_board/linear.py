@@ -8,7 +8,7 @@ They are integrated out at given noise parameters. Derivatives by noise paramete
 Fisher's identity.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import partial
@@ -129,8 +129,11 @@ class GravityPart(LinearRig):
 
     def _hypothesis_sums(
         self, mixing: Array, chosen: Whole, width: int, trials: Flags | None
-    ) -> _Sizes:
-        """Return the sums of the columns of a hypothesis, for each size."""
+    ) -> Iterable[OneSize]:
+        """Return the sums of the columns of a hypothesis, for each size.
+
+        Those of many candidates are large. They are not cached, but made size by size.
+        """
         key = b"".join((mixing.tobytes(), str(mixing.shape).encode(), chosen.tobytes()))
         if trials is None and key in self._cached_sums:
             return self._cached_sums[key]
@@ -167,10 +170,11 @@ class GravityPart(LinearRig):
                 float(sums.freedom[mine].sum()),
             )
 
-        view = tuple(of_size(size) for size in range(len(layout.sizes)))
-        if trials is None and mixing.shape[1] <= KEPT:
-            self._cached_sums = {key: view}
-        return view
+        view = map(of_size, range(len(layout.sizes)))
+        if trials is not None or mixing.shape[1] > KEPT:
+            return view
+        self._cached_sums = {key: tuple(view)}
+        return self._cached_sums[key]
 
     def evaluate(
         self,
@@ -220,7 +224,7 @@ class GravityPart(LinearRig):
             by_name |= {name: by_sd[block].sum() for name, block in places.items()}
             return {name: float(value) for name, value in by_name.items()}
 
-        deviations = None if self._heavy is None else partial(self._deviations, view, by_size)
+        deviations = None if self._heavy is None else partial(self._deviations, by_size)
         return Evaluated(information, gradient, deviations)
 
     def _weights(self, sums: OneSize) -> tuple[Array | float, Array | float]:
@@ -231,7 +235,6 @@ class GravityPart(LinearRig):
 
     def _deviations(
         self,
-        view: _Sizes,
         by_size: Sequence[Scattered],
         mean: Sequence[Array],
         covariance: Sequence[Array],
@@ -240,8 +243,8 @@ class GravityPart(LinearRig):
         assert self._heavy is not None
         level, count, rank = self._heavy.level, self._heavy.weight.size, self._heavy.rank
         numbers, spread = np.zeros((count, rank)), np.tile(np.eye(rank), (count, 1, 1))
-        for sums, scattered, *local in zip(view, by_size, mean, covariance, strict=True):
-            mine = sums.trials if level == "trial" else sums.setups
+        for scattered, *local in zip(by_size, mean, covariance, strict=True):
+            mine = scattered.trials if level == "trial" else scattered.setups
             numbers[mine], spread[mine] = scattered.deviations(level, *local)
         return Deviations(numbers, spread)
 

@@ -73,6 +73,8 @@ class Scattered:
 
     Attributes
     ----------
+    trials, setups : ndarray of int
+        As of :class:`OneSize`.
     precision, slope : ndarray, shape (k, k) and (k,)
         As in :class:`~bayesfric.inference.information.Information`.
     constant : float
@@ -88,7 +90,7 @@ class Scattered:
         trial_weight: Array | float = 1.0,
         setup_weight: Array | float = 1.0,
     ) -> None:
-        self._setup = sums.setup
+        self.trials, self.setups, self._setup = sums.trials, sums.setups, sums.setup
         count, width, k = sums.across.shape
         setups = sums.setups.size
         # Standard deviations with the weights of Student-t deviations, by trial and by assembly.
