@@ -174,15 +174,15 @@ def test_sums_of_many_effects_are_made_size_by_size(model, monkeypatch):
     """And not kept: those of all candidates take much memory."""
     part = copy.copy(model.rigs[0])
     part._cached_sums = {}
-    asked = np.eye(len(model.candidates)), np.arange(ALWAYS), ALWAYS, None
-    kept = part._hypothesis_sums(*asked)
-    assert part._hypothesis_sums(*asked) is kept
+    arguments = np.eye(len(model.candidates)), np.arange(ALWAYS), ALWAYS, None
+    cached_sizes = part._hypothesis_sums(*arguments)
+    assert part._hypothesis_sums(*arguments) is cached_sizes
     part._cached_sums = {}
     monkeypatch.setattr(linear, "KEPT", 0)
-    made = part._hypothesis_sums(*asked)
-    first = next(iter(made))
-    np.testing.assert_array_equal(first.across, kept[0].across)
-    assert len(list(made)) == len(kept) - 1
+    lazy_sizes = part._hypothesis_sums(*arguments)
+    first = next(iter(lazy_sizes))
+    np.testing.assert_array_equal(first.across, cached_sizes[0].across)
+    assert len(list(lazy_sizes)) == len(cached_sizes) - 1
     assert part._cached_sums == {}
 
 

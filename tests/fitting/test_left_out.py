@@ -77,18 +77,18 @@ def test_blocks_of_draws_join_without_a_second_copy():
 
 
 def test_a_draw_that_is_repeated_is_evaluated_once():
-    seen = []
+    evaluated = []
 
     def densities(theta):
-        seen.extend(theta["x"].tolist())
+        evaluated.extend(theta["x"].tolist())
         return np.stack([theta["x"], 2 * theta["x"]], axis=1)
 
     model = Named()
     model.likelihoods = [SimpleNamespace(setup_log_likelihood=densities)]
     z = np.array([3.0, 1.0, 3.0, 2.0, 1.0, 3.0])[:, None]
-    (found,) = setup_log_densities(model, z)
-    assert sorted(seen) == [1.0, 2.0, 3.0]
-    np.testing.assert_array_equal(found, z * [1.0, 2.0])
+    (by_draw,) = setup_log_densities(model, z)
+    assert sorted(evaluated) == [1.0, 2.0, 3.0]
+    np.testing.assert_array_equal(by_draw, z * [1.0, 2.0])
 
 
 @pytest.fixture(scope="module")
