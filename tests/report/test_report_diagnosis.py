@@ -162,7 +162,9 @@ def test_a_named_board_says_which_numbers_to_use():
     use, alone = ([words(cell) for cell in row] for row in table.rows)
     assert [use[0], alone[0]] == ["small", "small, law alone"]
     assert table.columns[1] == Column(symbol("c2"), "10⁻³\u202fN")
-    assert "1 of 1 is biased by more than 2 combined standard deviations." in words(table.note)
+    note = words(table.note)
+    assert "1 of 1 is biased by more than 2 combined standard deviations." in note
+    assert "A simulator that lacks viscous needs the law alone, and is then off by 0.049" in note
     number = record.law["c2[small]"]
     assert 1e-3 * float(use[1].split(" ± ")[0]) == pytest.approx(number.after.q50, rel=0.05)
     assert 1e-3 * float(alone[1].split(" ± ")[0]) == pytest.approx(number.before.q50, rel=0.05)

@@ -22,7 +22,7 @@ from bayesfric.report.content import (
     prose,
 )
 from bayesfric.report.diagnosed import has_gap
-from bayesfric.report.quantities import MISSING, error_cells, format_unit
+from bayesfric.report.quantities import MISSING, error_cells, format_number, format_unit
 from bayesfric.report.words import with_code
 from bayesfric.schemas import DiagnosisFile, FitFile
 from bayesfric.schemas.base import Interval
@@ -161,11 +161,13 @@ def _biased_words(diagnosis: DiagnosisFile, causes: Sequence[Cause]) -> str:
     biased = len(biased_numbers(diagnosis))
     names = " and ".join(cause.effect for cause in causes)
     alone = f"Law alone: fitted without {names}, so its coefficients absorb part of that force"
+    gap = format_number(diagnosis.gap.systematic.q50, 2, unit=diagnosis.gap.unit)
+    lacking = f" A simulator that lacks {names} needs the law alone, and is then off by {gap} rms."
     if not biased:
-        return f"{alone}; none is biased beyond its error."
+        return f"{alone}; none is biased beyond its error.{lacking}"
     return (
         f"{alone}; {biased} of {len(diagnosis.law)} {'is' if biased == 1 else 'are'} biased by "
-        f"more than {APART:g} combined standard deviations."
+        f"more than {APART:g} combined standard deviations.{lacking}"
     )
 
 
