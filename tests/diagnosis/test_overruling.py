@@ -45,8 +45,8 @@ def gap_of(**changes):
     return diagnosis().gap.model_copy(update=changes)
 
 
-def why(gap, *, told=False):
-    return why_overruled(gap, PRACTICAL, in_remainder=told)
+def why(gap, *, in_remainder=False):
+    return why_overruled(gap, PRACTICAL, in_remainder=in_remainder)
 
 
 @pytest.mark.parametrize(
@@ -103,22 +103,28 @@ def test_nothing_is_overruled_where_nobody_could_compare():
 
 
 @pytest.mark.parametrize(
-    ("share", "told", "expected"),
+    ("share", "in_remainder", "expected"),
     [(0.03, False, True), (0.03, True, False), (0.01, False, False), (0.0, False, False)],
 )
-def test_what_is_left_overrules_where_it_matters_and_no_remainder_tells_it(share, told, expected):
+def test_what_is_left_overrules_where_it_matters_and_no_remainder_tells_it(
+    share, in_remainder, expected
+):
     gap = diagnosis().gap
     gap = gap.model_copy(update={"held_out_excess": share * gap.friction_rms})
-    assert (why(gap, told=told) is not None) == expected
+    assert (why(gap, in_remainder=in_remainder) is not None) == expected
     assert not expected or f"error of {two_digits(gap.held_out_excess)} N rms" in why(
-        gap, told=told
+        gap, in_remainder=in_remainder
     )
 
 
-@pytest.mark.parametrize(("told", "implausible"), [(True, ["hysteresis"]), (True, []), (False, [])])
-def test_a_cause_that_no_machine_has_is_overruled_where_a_remainder_is_left(told, implausible):
+@pytest.mark.parametrize(
+    ("in_remainder", "implausible"), [(True, ["hysteresis"]), (True, []), (False, [])]
+)
+def test_a_cause_that_no_machine_has_is_overruled_where_a_remainder_is_left(
+    in_remainder, implausible
+):
     gap = gap_of(held_out_log_density=None, shrink=None)
-    said = why_overruled(gap, PRACTICAL, in_remainder=told, implausible=implausible)
+    said = why_overruled(gap, PRACTICAL, in_remainder=in_remainder, implausible=implausible)
     assert (said is not None) == bool(implausible)
     assert said is None or "hysteresis would be larger or smaller" in said
 
@@ -170,15 +176,15 @@ def test_hypotheses_with_what_is_overruled_are_of_an_unknown_force():
     priors = Analysis().diagnosis.hypotheses
     search = Search(weighed, {}, None, classes, priors, np.eye(1), 0.0)
     before = printed(search.probabilities())
-    known = [KnownEffect("viscous", 1.0, 1.0, 0.1), KnownEffect("slip", 0.9, 0.0, 0.001)]
-    found = overruled(search, known, [["viscous"]], 1.0)
-    chances = printed(found.search.probabilities())
+    effects_known = [KnownEffect("viscous", 1.0, 1.0, 0.1), KnownEffect("slip", 0.9, 0.0, 0.001)]
+    after = overruled(search, effects_known, [["viscous"]], 1.0)
+    chances = printed(after.search.probabilities())
     acting = before["viscous"] + before["slip+viscous"]
     assert chances["unknown"] == pytest.approx(0.95 * acting)
-    assert {one.effect: one.probability for one in found.effects_known}["viscous"] == pytest.approx(
-        0.05 * acting
-    )
-    assert "viscous" not in found.present + found.possible
+    assert {effect.effect: effect.probability for effect in after.effects_known}[
+        "viscous"
+    ] == pytest.approx(0.05 * acting)
+    assert "viscous" not in after.present + after.possible
 
 
 def test_why_nobody_compared_is_told():
@@ -194,7 +200,7 @@ def test_why_nobody_compared_is_told():
     ],
 )
 def test_the_sentence_says_what_was_overruled_and_by_which_rule(effects, words):
-    told = Statement(
+    statement = Statement(
         "unknown",
         0.97,
         gap_of(),
@@ -202,7 +208,7 @@ def test_the_sentence_says_what_was_overruled_and_by_which_rule(effects, words):
         considered=[cause(name) for name in effects],
         overruled_by="so and so",
     )
-    said = sentence_of(told)
+    said = sentence_of(statement)
     assert words in said
     assert "Something else acts (probability 0.970)" in said
 
@@ -240,9 +246,9 @@ def test_a_cause_that_predicts_no_better_is_considered_and_the_verdict_unknown(
     tmp_path, monkeypatch, gain
 ):
     """Blocks that the cause makes more likely by one nat each, ± 3 or ± a third of one."""
-    each = np.ones(9) + np.tile([-1.0, 0.0, 1.0], 3) * 10 / gain
-    found = BlockDensities(np.zeros(9), each)
-    monkeypatch.setattr(concluded, "block_densities", lambda *_: found)
+    gains = np.ones(9) + np.tile([-1.0, 0.0, 1.0], 3) * 10 / gain
+    densities = BlockDensities(np.zeros(9), gains)
+    monkeypatch.setattr(concluded, "block_densities", lambda *_: densities)
     summary = bf.diagnose(recorded(tmp_path / "bench", joint(2.0))).summary
     density = summary.gap.held_out_log_density
     assert (density.difference, density.blocks) == (pytest.approx(9.0), 9)
@@ -252,7 +258,7 @@ def test_a_cause_that_predicts_no_better_is_considered_and_the_verdict_unknown(
     assert summary.verdict == "unknown"
     assert summary.probabilities["unknown"] > 0.9
     assert summary.causes == ()
-    assert [one.effect for one in summary.considered] == ["viscous"]
+    assert [cause.effect for cause in summary.considered] == ["viscous"]
     assert "no better than by the law alone" in summary.overruled_by
     assert f"but not held-out data: {summary.overruled_by}" in summary.sentence
     assert any("Held-out data contradict viscous" in line for line in summary.attention)

@@ -53,13 +53,13 @@ def test_page_one_says_what_friction_to_expect(stored):
         n, size, angle, tension = re.match(
             r"(\d+) (\w+) pulleys, (\d+)°, at ([\d.]+)", row[0]
         ).groups()
-        here = (
+        at_condition = (
             (trials["pulley_size"] == size)
             & (trials["n_pulleys"] == int(n))
             & (trials["wrap_angle_deg"] == float(angle))
             & (abs(trials["tension_n"] - float(tension)) < 0.06)
         )
-        low, middle, high = trials["law_n"][np.flatnonzero(here)[0]].to_numpy()
+        low, middle, high = trials["law_n"][np.flatnonzero(at_condition)[0]].to_numpy()
         shown, half = (float(part.split()[0]) for part in row[1].split(" ± "))
         assert shown == pytest.approx(middle, rel=0.01)
         assert half == pytest.approx((high - low) / 2, rel=0.3)
@@ -108,8 +108,8 @@ def test_many_remarks_stay_on_page_one(stored):
 
 
 def test_few_remarks_are_boxes(stored):
-    found = page_one.worries(StoredResults(changed(stored, attention=("1 of 48 trials left out",))))
-    assert [(b.kind, b.text) for b in found if isinstance(b, Notice)] == [
+    boxes = page_one.worries(StoredResults(changed(stored, attention=("1 of 48 trials left out",))))
+    assert [(b.kind, b.text) for b in boxes if isinstance(b, Notice)] == [
         ("attention", "1 of 48 trials left out.")
     ]
 
@@ -118,7 +118,7 @@ def test_what_is_wrong_of_all_results_is_one_list_on_page_one(stored):
     """Of the fit, the diagnosis and the claims; a line that two of them have stands once."""
     fitted = changed(stored, attention=("The sensors are apart", "1 of 48 trials left out"))
     claims = read_json(ClaimsFile, reference_folder() / "claims.json")
-    found = StoredResults(
+    results = StoredResults(
         fitted,
         diagnosis=StoredDiagnosis(diagnosis(attention=("c2 is biased",)), xr.DataTree()),
         claims=StoredClaims(
@@ -126,7 +126,7 @@ def test_what_is_wrong_of_all_results_is_one_list_on_page_one(stored):
             xr.DataTree(),
         ),
     )
-    (notice,) = page_one.worries(found)
+    (notice,) = page_one.worries(results)
     assert (notice.kind, notice.text) == (
         "attention",
         "4 remarks on these numbers:",
@@ -208,8 +208,8 @@ def test_the_method_is_that_of_the_rigs_and_the_law_of_the_fit(stored):
 def test_the_command_repeats_the_choices_of_the_fit(stored):
     def command(**changes):
         chapter = provenance.provenance(changed(stored, **changes))
-        (found,) = [block for block in chapter if isinstance(block, Listing)]
-        return found.text
+        (listing,) = [block for block in chapter if isinstance(block, Listing)]
+        return listing.text
 
     assert command() == "bayesfric run RECORDING --rigs gravity --seed 5"
     assert command(rigs=("gravity", "motor"), baseline="recursive") == (
@@ -220,8 +220,8 @@ def test_the_command_repeats_the_choices_of_the_fit(stored):
 def test_only_what_a_rig_brought_is_counted(stored):
     def counts(stored):
         chapter = provenance.provenance(stored)
-        (found,) = [b for b in chapter if isinstance(b, Table) and b.label == "data"]
-        return {row[0]: row[1] for row in found.rows}
+        (table,) = [b for b in chapter if isinstance(b, Table) and b.label == "data"]
+        return {row[0]: row[1] for row in table.rows}
 
     assert counts(stored)["trials of the gravity board used"] == "48"
     assert "Hall events" in counts(stored)
@@ -229,9 +229,9 @@ def test_only_what_a_rig_brought_is_counted(stored):
     table = stored.predictive["trials"].to_dataset()
     words = {"rig": "rail", "title": "rail", "trial": "slide", "trials": "slides", "id": "trial"}
     rail = xr.DataTree.from_dict({"slides": table.assign_attrs(words)})
-    found = counts(dataclasses.replace(alone, predictive=rail))
-    assert found["slides of the rail used"] == "48"
-    assert "Hall events" not in found
+    rows = counts(dataclasses.replace(alone, predictive=rail))
+    assert rows["slides of the rail used"] == "48"
+    assert "Hall events" not in rows
 
 
 def test_predictions_of_another_version_are_one_clear_error(small_fit, tmp_path):
@@ -245,9 +245,11 @@ def test_predictions_of_another_version_are_one_clear_error(small_fit, tmp_path)
 
 @pytest.mark.parametrize("informed", [True, False])
 def test_a_law_without_pulleys_explains_the_priors_that_are_in_its_table(small_fit, informed):
-    one = next(iter(small_fit.summary.pulleys.values()))["c1"]
-    one = one.model_copy(update={"informed": informed, "mean": 2.0061, "q05": 2.0, "q95": 2.0104})
-    fit = small_fit.summary.model_copy(update={"pulleys": {}, "parameters": {"mass": one}})
+    entry = next(iter(small_fit.summary.pulleys.values()))["c1"]
+    entry = entry.model_copy(
+        update={"informed": informed, "mean": 2.0061, "q05": 2.0, "q95": 2.0104}
+    )
+    fit = small_fit.summary.model_copy(update={"pulleys": {}, "parameters": {"mass": entry}})
     table = plain_table(fit)
     assert table.rows[0][-1] == ("yes" if informed else "prior")
     assert (not table.note) == informed
