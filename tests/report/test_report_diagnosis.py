@@ -164,7 +164,7 @@ def test_a_named_board_says_which_numbers_to_use():
     assert table.columns[1] == Column(symbol("c2"), "10⁻³\u202fN")
     note = words(table.note)
     assert "1 of 1 is biased by more than 2 combined standard deviations." in note
-    assert "A simulator that lacks viscous needs the law alone, and is then off by 0.049" in note
+    assert "A simulator without viscous needs the law alone, and is then off by 0.049" in note
     number = record.law["c2[small]"]
     assert 1e-3 * float(use[1].split(" ± ")[0]) == pytest.approx(number.after.q50, rel=0.05)
     assert 1e-3 * float(alone[1].split(" ± ")[0]) == pytest.approx(number.before.q50, rel=0.05)
@@ -186,6 +186,14 @@ def test_a_parameter_means_what_it_means_in_the_variant_that_was_found():
     said = words(parameters.text)
     assert "is multiplied by (T/16.5 N)ᵃ" in said
     assert "a (T/16.5 N − 1)" not in said
+
+
+def test_no_simulator_needs_the_law_that_errors_of_readings_bias():
+    law = {"c2[small]": LawNumber(unit="N", before=interval(0.0439), after=interval(0.0261))}
+    magnets = cause("magnet-spacing")
+    record = stored_diagnosis().record.model_copy(update={"law": law, "causes": (magnets,)})
+    table, *_ = numbers_to_use(record)
+    assert "needs the law alone" not in words(table.note)
 
 
 def test_sizes_stand_in_their_usual_order():

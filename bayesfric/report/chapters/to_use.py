@@ -161,14 +161,22 @@ def _biased_words(diagnosis: DiagnosisFile, causes: Sequence[Cause]) -> str:
     biased = len(biased_numbers(diagnosis))
     names = " and ".join(cause.effect for cause in causes)
     alone = f"Law alone: fitted without {names}, so its coefficients absorb part of that force"
-    gap = format_number(diagnosis.gap.systematic.q50, 2, unit=diagnosis.gap.unit)
-    lacking = f" A simulator that lacks {names} needs the law alone, and is then off by {gap} rms."
+    lacking = ""
+    if all(_is_force(cause) for cause in causes):  # a simulator has no errors of readings
+        gap = format_number(diagnosis.gap.systematic.q50, 2, unit=diagnosis.gap.unit)
+        lacking = f" A simulator without {names} needs the law alone, and is then off by {gap} rms."
     if not biased:
         return f"{alone}; none is biased beyond its error.{lacking}"
     return (
         f"{alone}; {biased} of {len(diagnosis.law)} {'is' if biased == 1 else 'are'} biased by "
         f"more than {APART:g} combined standard deviations.{lacking}"
     )
+
+
+def _is_force(cause: Cause) -> bool:
+    """Return whether a cause is a force of the machine, and not an error of its measurement."""
+    effect = all_effects(None).get(cause.effect)
+    return effect is not None and effect.acts_on in ("friction", "drive")
 
 
 def _slope_of(causes: Sequence[Cause]) -> str:
