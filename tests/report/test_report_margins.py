@@ -5,12 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from margins.loops import loop, write_draws
 from report.told import plain as words
 from report.told import told
 
 from bayesfric.errors import InputError
-from bayesfric.margins import compute_margins
 from bayesfric.notebook.results import MarginsResult
 from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.margins import (
@@ -22,7 +20,6 @@ from bayesfric.plots.margins import (
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.gain import gain_figures, gain_lines
 from bayesfric.report.chapters.margins import margins
-from bayesfric.report.chapters.specs import spec_table
 from bayesfric.report.content import Heading, Notice, Paragraph, Strong, Table
 from bayesfric.report.stored import StoredResults, read_stored
 from bayesfric.report.writing import write_report
@@ -43,14 +40,6 @@ def test_what_is_assumed_stands_beside_the_answer_and_draws_are_counted_once(com
     assert assumed.text == "The wind is calm."
     (specs,) = [line for line in lines if isinstance(line, Table)]
     assert specs.note.endswith("Hunting is simulated in 20 draws; all other metrics use 200 draws.")
-
-
-@pytest.fixture(scope="module")
-def computed(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("margins")
-    draws = write_draws(folder / "draws.nc", n=200)
-    sliding = {"name": "second", "compensation.signal": "reference", "spec.gain_margin_min": 2.0}
-    return compute_margins([loop(), loop(sliding)], draws, verify=2)
 
 
 def test_the_first_line_says_which_gain_to_set(computed):
@@ -117,65 +106,6 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     (line,) = gain_lines(computed.summary.model_copy(update={"loops": (tight,)}), alone=False)
     assert f"Misses its spec: lost motion of the cable {1e3 * lost.interval.q50:.3g} [" in line.text
     assert "]\u202fmm (at most 0.01\u202fmm is asked for" in line.text
-
-
-def test_page_one_has_what_is_allowed_beside_how_probably_it_is_missed(computed):
-    """Without it nobody can check what is bold."""
-    bench = computed.summary.loops[0]
-    metrics = [
-        metric.model_copy(update={"note": "simulated in 20 draws"})
-        if metric.name == "gamma_hunting"
-        else metric
-        for metric in bench.metrics
-    ]
-    bench = bench.model_copy(
-        update={
-            "limit_cycle_probability_max": 0.02,
-            "violation_probability_max": 0.1,
-            "metrics": tuple(metrics),
-        }
-    )
-    lines = gain_lines(computed.summary.model_copy(update={"loops": (bench,)}), alone=True)
-    (specs,) = [line for line in lines if isinstance(line, Table)]
-    assert [column.title for column in specs.head[:3]] == [
-        "metric", "P(missed)", "allowed",
-    ]  # fmt: skip
-    allowed = {words(row[0]): words(row[2]) for row in specs.rows}
-    assert allowed.pop("γ from which it hunts") == "0.02"
-    assert set(allowed.values()) == {"0.1"}
-    assert "“γ from which it hunts” must be at least the γ that is set; its own" in specs.note
-    assert "A simulated γ may be off by 0.01 or 5\u202f%, whichever is more;" in specs.note
-    assert "do not show hunting" not in specs.note
-
-
-def test_specs_of_linear_margins_say_that_these_do_not_show_hunting(computed):
-    bench = computed.summary.loops[0]
-    with_spec = tuple(
-        metric.model_copy(update={"spec": 2.0}) if metric.name == "gain_margin" else metric
-        for metric in bench.metrics
-    )
-    changed = bench.model_copy(update={"metrics": with_spec})
-    (specs,) = spec_table(computed.summary.model_copy(update={"loops": (changed,)}), "")
-    assert specs.note.endswith("delay margins leave friction out: they do not show hunting.")
-
-
-def test_specs_at_the_safe_gain_stand_beside_those_at_the_gain_of_the_file(tmp_path):
-    draws = write_draws(tmp_path / "draws.nc", n=200)
-    over = loop({"compensation.gain": 3.0, "spec.steady_error_max_m": 1e-9})
-    summary = compute_margins([over], draws).summary
-    _, box, specs, *_ = gain_lines(summary, alone=True)
-    gamma = f"{summary.loops[0].at_safe_gain.gamma:.2f}"
-    assert box.text.endswith(
-        f"At γ = {gamma} it still misses steady error of the servo, and meets its other specs."
-    )
-    assert [column.title for column in specs.head[1:3]] == ["missed at γ = 3", f"at γ = {gamma}"]
-    at_safe = {words(row[0]): row[2] for row in specs.rows}
-    assert at_safe["γ from which it hunts"] == "≤ 0.05"
-    (hunts,) = [row for row in specs.rows if words(row[0]) == "γ from which it hunts"]
-    assert words(hunts[4]) == "at least the γ set"  # 3 in one column, the safe one in the other
-    assert "which differs between the two columns" in specs.note
-    assert isinstance(at_safe["steady error of the servo"], Strong)
-    assert "5 % to 95 % of the draws: at γ = 3." in specs.note
 
 
 def test_a_band_is_promised_only_where_it_can_be_seen(computed):
@@ -392,30 +322,3 @@ def test_a_title_names_the_assumed_number_that_the_answer_hangs_on(computed):
     assert title(**{"drive.friction_n_m": 0.9}).endswith(", if the assumed drive friction is right")
     assert title(**{"drive.friction_n_m": 0.4}).endswith("and meets its spec")
     assert title(**{"new assembly and rig": 0.9}).endswith("and meets its spec")
-
-
-def test_a_probability_beside_what_is_allowed_stands_with_its_error(computed):
-    """0.052 ± 0.0046 is no clear miss of 0.05; 0.07 is."""
-    bench = computed.summary.loops[0]
-    (metric,) = [of_loop for of_loop in bench.metrics if of_loop.name == "steady_error_servo"]
-
-    def shown(p):
-        only = metric.model_copy(
-            update={"probability_of_violation": p, "monte_carlo_se": 0.0046, "spec": 1e-3}
-        )
-        loop = bench.model_copy(
-            update={"metrics": (only,), "missed_specs": ("steady_error_servo",),
-                    "violation_probability_max": 0.05}
-        )  # fmt: skip
-        some = computed.summary.model_copy(update={"loops": (loop,)})
-        _, box, specs, *_ = gain_lines(some, alone=True)
-        return words(box.text), words(specs.rows[0][1]), specs.note
-
-    said, cell, note = shown(0.052)
-    assert "steady error of the servo (borderline)." in said
-    assert cell == "0.0520 ± 0.0046"
-    assert "With an error (±): within two Monte Carlo errors of what is allowed." in note
-    said, cell, note = shown(0.07)
-    assert "borderline" not in said
-    assert cell == "0.070"
-    assert "With an error" not in note

@@ -13,6 +13,7 @@ from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording
 
 SPACING = 0.0098
+TICK = 4e-6  # of the clock [s]
 TRUTH = Truth()
 NOISE = ("tau", "omega", "omega_intercept", "wander", "wander_length", "sigma_x", "sigma_t")
 
@@ -49,3 +50,10 @@ def gravity_likelihood(gravity, rig, *arguments, **options):
 def likelihood_of(recording, analysis=None):
     screened = screen_trials(recording.gravity, recording.rig)
     return gravity_likelihood(screened.gravity, recording.rig, analysis or Analysis())
+
+
+def design(events):
+    """Time since the trial's first event, and the columns −o_drive, −o_load, v0."""
+    tau = events["time_s"].to_numpy() - events["time_s"].min()
+    offsets = [-(events["sensor"] == s).to_numpy(float) for s in events["sensor"].unique()]
+    return tau, np.column_stack([*offsets, tau])
