@@ -13,8 +13,8 @@ SHORT = Joint(seconds=6.0, sampled_hz=100.0)
 def asked(change):
     recording = recording_of(change(SHORT.samples()), force_is="motor")
     entered = entering(recording.axis, recording.rig)
-    mistakes = likely_mistakes(entered.readings, entered.measures, entered.interval_s, viscous=True)
-    return list(mistakes)
+    parts = (entered[name] for name in ("readings", "measures", "interval_s"))
+    return list(likely_mistakes(*parts, viscous=True))
 
 
 @pytest.mark.parametrize(

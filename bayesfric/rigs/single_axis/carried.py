@@ -19,10 +19,11 @@ from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import rough_shares
 from bayesfric.rigs.single_axis.readings import Readings
-from bayesfric.rigs.single_axis.rough import POWERS, places_of, pull_basis
+from bayesfric.rigs.single_axis.rough import POWERS, least_squares, places_of, pull_basis
 from bayesfric.rigs.single_axis.weak_form import node_weights
 
 ROUNDS = 3  # fits, each with friction by the load of the previous fit
+PRECISE = 1e-8  # relative singular value that counts as 0
 BINS = 12  # sections of the path in which both directions of motion are counted
 
 
@@ -121,8 +122,9 @@ def carried_by(
     }
     if min(rows.size for rows in rows_of.values()) < AXIS_RULES.rows_a_load_number * (POWERS + 3):
         columns, rows_of = (), {(): np.flatnonzero(inside)}
-    places = readings.position @ readings.weights
-    law = _law(readings, places)
+    places = readings.mean_position
+    pull = pull_basis(places, *places_of(places)) * readings.way[:, None]
+    law = np.column_stack([readings.law_columns, pull])
     rubbing = np.zeros((readings.count, 0))
     for _ in range(ROUNDS):
         others = rough_shares(np.hstack([law, rubbing]), readings.beside, readings.force, inside)
@@ -133,13 +135,6 @@ def carried_by(
         carried = np.add(*carried_force.at(readings, table)) @ readings.weights
         rubbing = np.abs(carried)[:, None]  # without friction by the load, `others` are biased
     return carried_force
-
-
-def _law(readings: Readings, places: Array) -> Array:
-    """Return columns of the law and of forces of the position, along the motion, (W, n)."""
-    pull = pull_basis(places, *places_of(places)) * readings.way[:, None]
-    speed = readings.speed @ readings.weights
-    return np.column_stack([readings.acceleration, np.ones(readings.count), speed, pull])
 
 
 def _accelerations(readings: Readings) -> Array:
@@ -171,14 +166,13 @@ def _fitted(readings: Readings, places: Array, rows: Whole, others: Array) -> Pu
     model_force = (
         way * ((readings.known_held + readings.known_moved) @ readings.weights)[rows] + beside
     )
-    speed = (readings.speed @ readings.weights)[rows]
-    law = np.stack([readings.acceleration[rows], np.ones(rows.size), speed], axis=1)
+    law = readings.law_columns[rows]
     pull = pull_basis(places[rows], middle, half) * way[:, None]
     count = pull.shape[1]
     if (way > 0).all() or (way < 0).all():
         pull[:, 0] = 0.0  # a constant force cannot be separated from Coulomb friction then
-    coefficients, squares = _squares(law, force)
-    with_pull, squares_with_pull = _squares(np.column_stack([law, pull]), force)
+    coefficients, squares = least_squares(law, force, rcond=PRECISE)
+    with_pull, squares_with_pull = least_squares(np.column_stack([law, pull]), force, rcond=PRECISE)
     if squares - squares_with_pull >= AXIS_RULES.pulled * float(force @ force):
         coefficients = with_pull
     elif model_force.any():
@@ -189,17 +183,11 @@ def _fitted(readings: Readings, places: Array, rows: Whole, others: Array) -> Pu
         carried = (
             model_force + coefficients[0] * law[:, 0] + pull @ coefficients[3 : 3 + pull.shape[1]]
         )
-        coefficients, _ = _squares(np.column_stack([law, pull, np.abs(carried)]), force)
+        columns = np.column_stack([law, pull, np.abs(carried)])
+        coefficients, _ = least_squares(columns, force, rcond=PRECISE)
     amounts = np.zeros(count)
     amounts[: pull.shape[1]] = coefficients[3 : 3 + pull.shape[1]]
     return Pull(max(float(coefficients[0]), 0.0), amounts, middle, half)
-
-
-def _squares(columns: Array, force: Array) -> tuple[Array, float]:
-    width = np.abs(columns).max(axis=0, initial=0.0)
-    width[width == 0] = 1.0
-    coefficients = np.linalg.lstsq(columns / width, force, rcond=1e-8)[0] / width
-    return coefficients, float(np.sum((force - columns @ coefficients) ** 2))
 
 
 def shows_both_ways(readings: Readings, loads: int) -> bool:
@@ -212,7 +200,7 @@ def shows_both_ways(readings: Readings, loads: int) -> bool:
     loads : int
         Number of different loads.
     """
-    places = readings.position @ readings.weights
+    places = readings.mean_position
     span = float(np.ptp(places)) or 1.0
     cell = np.minimum((BINS * (places - places.min()) / span).astype(np.intp), BINS - 1)
     counts = np.stack([np.bincount(cell[readings.way == way], minlength=BINS) for way in (-1, 1)])
@@ -237,7 +225,7 @@ def warmth_of(readings: Readings, order: Array) -> Array | None:
     warm = readings.temperature
     if not np.isfinite(warm).all() or np.ptp(warm) == 0:
         sequence = np.lexsort((readings.time_s, order))
-        step = (readings.speed @ readings.weights)[sequence]
+        step = readings.mean_speed[sequence]
         warm = np.empty(readings.count)
         warm[sequence] = np.cumsum(step)
         if np.ptp(order) == 0 or np.ptp(warm) == 0:

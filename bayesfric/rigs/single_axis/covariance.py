@@ -5,6 +5,7 @@ pieces are padded to the same length and inverted together.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -72,7 +73,7 @@ class Pieces:
             padded[:-1, :-1] = table
             return np.asarray(padded[rows[:, earlier], np.minimum(lag, table.shape[1])] * both)
 
-        where = readings.position @ readings.weights
+        where = readings.mean_position
         at = np.concatenate([where, [0.0]])[rows]
         apart = np.abs(at[:, :, None] - at[:, None, :])
         return cls(
@@ -167,6 +168,12 @@ class Solved:
         product = np.empty((self.pieces.count + 1, flat.shape[1]))
         product[self.pieces.rows] = self.inverse @ padded
         return product[:-1].reshape(values.shape)
+
+    def grams(self, values: Array, trial: Whole) -> Array:
+        """Return the products of columns in each trial, under the inverse, (N, k, k)."""
+        weighted = self.times(values)
+        ends = [*np.flatnonzero(np.diff(trial, prepend=-1)), trial.size]
+        return np.stack([values[i:j].T @ weighted[i:j] for i, j in pairwise(ends)])
 
     def log_determinant(self, kept: Flags) -> float:
         """Return the log determinant of the covariance of the kept rows (whole pieces)."""

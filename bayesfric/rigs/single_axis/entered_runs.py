@@ -75,8 +75,6 @@ class EnteredRuns(RigTrials):
         Windows of all trials.
     measures : Measures
         Scales of the whole recording.
-    still : tuple of str
-        Runs in which the axis does not move.
     law : FrictionLaw
         The law around which a diagnosis linearises.
     loads : tuple of str
@@ -114,7 +112,6 @@ class EnteredRuns(RigTrials):
     table: pd.DataFrame
     readings: Readings
     measures: Measures
-    still: tuple[str, ...] = ()
     law: FrictionLaw = BASELINES[COULOMB_VISCOUS]
     loads: tuple[str, ...] = ()
     interval_s: float = field(default=0.0)

@@ -54,27 +54,6 @@ separated from changes in time."""
 NO_CABLE: dict[str, Any] = {"pulley_size": SIZE, "n_pulleys": 1, "wrap_angle_deg": 85.0}
 
 
-class Entering(NamedTuple):
-    """The runs that are used: fields of :class:`bayesfric.rigs.single_axis.trials.AxisRuns`."""
-
-    table: pd.DataFrame
-    readings: Readings
-    measures: Measures
-    still: tuple[str, ...]
-    interval_s: float
-    simulated: SimulatedBaseline | None
-    turns: int
-    machine: Machine
-    late_s: float
-    dither: Dither
-    servo: Servo | None
-    constants: RigConstants
-    spikes: float
-    clipped: float
-    lever_n: float
-    stamps_sd_s: float
-
-
 class _Logs(NamedTuple):
     """Runs on an even grid.
 
@@ -88,15 +67,12 @@ class _Logs(NamedTuple):
         For each trial, its row of the table of trials.
     runs : list of mapping
         For each run, its row of ``axis_runs.csv``.
-    still : list of str
-        Runs that are too short, or in which the axis does not move.
     """
 
     logs: Sequence[EvenLog]
     starts: list[Whole]
     rows: list[dict[str, Any]]
     runs: list[Mapping[str, object]]
-    still: list[str]
 
 
 def _interval_s(logs: Sequence[EvenLog]) -> float:
@@ -117,8 +93,10 @@ def _on_time(logs: Sequence[EvenLog], constants: RigConstants, servo: Servo | No
 
 def entering(
     axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
-) -> Entering | Unsupported:
+) -> dict[str, Any] | Unsupported:
     """Return the runs in which the axis moves, or why none can be used.
+
+    The runs are fields of :class:`bayesfric.rigs.single_axis.trials.AxisRuns` by name.
 
     Parameters
     ----------
@@ -157,24 +135,23 @@ def entering(
     is_free = turns < SHOWS_PLACE and servo is None and beside is None
     lever_n = measures.force if is_free and _may_have_weight(machine, logs) else 0.0
     readings, measures = _with_lever(readings, measures, lever_n)
-    chosen, still = _by_setup(readings, table)
-    return Entering(
-        table.iloc[chosen].reset_index(drop=True),
-        readings.of(chosen),
-        measures,
-        (*recorded.still, *still),
-        _interval_s(recorded.logs),
-        beside,
-        turns,
-        machine,
-        clocked.late_s,
-        dither,
-        servo,
-        constants,
-        *_faults_of_force(recorded.logs, constants, servo),
-        lever_n,
-        max(log.stamps_sd_s for log in recorded.logs),
-    )
+    chosen = _by_setup(readings, table)
+    return {
+        "table": table.iloc[chosen].reset_index(drop=True),
+        "readings": readings.of(chosen),
+        "measures": measures,
+        "interval_s": _interval_s(recorded.logs),
+        "simulated": beside,
+        "turns": turns,
+        "machine": machine,
+        "late_s": clocked.late_s,
+        "dither": dither,
+        "servo": servo,
+        "constants": constants,
+        **_faults_of_force(recorded.logs, constants, servo),
+        "lever_n": lever_n,
+        "stamps_sd_s": max(log.stamps_sd_s for log in recorded.logs),
+    }
 
 
 def _of_servo(readings: Readings, servo: Servo) -> Readings:
@@ -214,22 +191,23 @@ def _with_carried(
 
 def _faults_of_force(
     logs: Sequence[EvenLog], constants: RigConstants, servo: Servo | None
-) -> tuple[float, float]:
+) -> dict[str, float]:
     """Return the largest shares of a run's force readings that are spikes and that are clipped.
 
     Spikes are counted only in measured forces. Clipping is not counted in commands.
     """
-    peaks = max(spikes(log.force) for log in logs) if constants.force_is in SENSED else 0.0
-    if constants.force_is == "commanded" or servo is not None:
-        return peaks, 0.0
-    return peaks, max(float(clipped(log.force).mean()) for log in logs)
+    is_sensed = constants.force_is in SENSED
+    is_commanded = constants.force_is == "commanded" or servo is not None
+    return {
+        "spikes": max(spikes(log.force) for log in logs) if is_sensed else 0.0,
+        "clipped": 0.0 if is_commanded else max(float(clipped(log.force).mean()) for log in logs),
+    }
 
 
-def _by_setup(readings: Readings, table: pd.DataFrame) -> tuple[Whole, list[str]]:
-    """Return indices of the trials that have windows, sorted by assembly, and the other names."""
+def _by_setup(readings: Readings, table: pd.DataFrame) -> Whole:
+    """Return indices of the trials that have windows, sorted by assembly."""
     moving = np.unique(readings.trial)
-    still = [str(run) for run in table["trial"][~table.index.isin(moving)]]
-    return moving[np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")], still
+    return moving[np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")]
 
 
 def _with_lever(
@@ -257,13 +235,12 @@ def _even_logs(axis: Axis, constants: RigConstants, machine: Machine | None) -> 
     """
     parts = max(1, -(-AXIS_RULES.few_runs // len(axis.runs)))
     by_run = dict(iter(axis.samples.groupby("run", sort=False)))
-    moved = _Logs(logs := [], [], [], [], [])
+    moved = _Logs(logs := [], [], [], [])
     for _, run in axis.runs.iterrows():
         log = log_of(by_run[run["run"]], constants)
         if log is not None and machine is not None:
             log = machine.around(log, run["run"])
         if log is None:
-            moved.still.append(str(run["run"]))
             continue
         logs.append(log)
         moved.runs.append({str(name): value for name, value in run.items()})
@@ -284,16 +261,14 @@ def _within_limit(
 
     The windows are None if there is none. Dither is searched for only if `calm` is true.
     """
-    resolution, clips = constants.encoder_resolution, constants.force_is not in SENSED
-    declared = constants.force_limit_n
-    limited = within_limit(logs, starts, resolution, clips=clips, declared=declared)
+    limited = within_limit(logs, starts, constants)
     if limited is None or not calm:
         return logs, limited, Dither()
     mass = rough_law_of(limited[0], limited[1].within(limited[0])).mass
-    marked, dither = steady(logs, mass, limited[0].half_s, resolution)
+    marked, dither = steady(logs, mass, limited[0].half_s, constants.encoder_resolution)
     if not dither.left_out:
         return list(marked), limited, dither
-    calmer = within_limit(marked, starts, resolution, clips=clips, declared=declared)
+    calmer = within_limit(marked, starts, constants)
     if calmer is None or refused_for_few_windows(calmer[0]) is not None:
         return logs, limited, dither._replace(left_out=False)
     return list(marked), calmer, dither

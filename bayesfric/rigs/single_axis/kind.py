@@ -56,7 +56,7 @@ class SingleAxis(Rig):
         from bayesfric.rigs.single_axis.left_out import not_modelled
         from bayesfric.rigs.single_axis.trials import opened
 
-        if not_modelled(recording.axis, recording.rig):
+        if not_modelled(recording.axis):
             return None
         return opened(self, recording.axis, recording.rig)
 
@@ -86,7 +86,7 @@ class SingleAxis(Rig):
                 for joint, part in parted.items()
                 for fault in self.left_out(part)
             ]
-        if faults := not_modelled(recording.axis, recording.rig):
+        if faults := not_modelled(recording.axis):
             return faults
         entered = entering(recording.axis, recording.rig)
         if isinstance(entered, Unsupported):

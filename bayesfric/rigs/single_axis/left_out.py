@@ -18,26 +18,16 @@ SAMPLES = "axis_samples.csv"
 WINDOW = 2 * AXIS_RULES.narrowest + 1  # samples of the narrowest window
 
 
-def not_modelled(axis: Axis, constants: RigConstants) -> list[Fault]:
-    """Return contents of a log that no model describes and that would make the result wrong.
-
-    Parameters
-    ----------
-    axis : Axis
-        The tables.
-    constants : RigConstants
-        The machine.
-    """
-    del constants
-    samples, faults = axis.samples, []
-    if "joint" in samples and len(samples["joint"].unique()) > 1:
-        expected = (
-            "the samples of one joint: unlike diagnose and fit, this command does not separate "
-            "joints (keep the rows of one)"
-        )
-        joints = ", ".join(samples["joint"].unique())
-        faults.append(Fault(SAMPLES, expected, column="joint", value=joints))
-    return faults
+def not_modelled(axis: Axis) -> list[Fault]:
+    """Return contents of a log that no model describes and that would make the result wrong."""
+    joints = axis.samples["joint"].unique() if "joint" in axis.samples else ()
+    if len(joints) < 2:
+        return []
+    expected = (
+        "the samples of one joint: unlike diagnose and fit, this command does not separate "
+        "joints (keep the rows of one)"
+    )
+    return [Fault(SAMPLES, expected, column="joint", value=", ".join(joints))]
 
 
 def left_out(axis: Axis, constants: RigConstants) -> list[Fault]:
@@ -50,8 +40,6 @@ def left_out(axis: Axis, constants: RigConstants) -> list[Fault]:
     constants : RigConstants
         The machine.
     """
-    if faults := not_modelled(axis, constants):
-        return faults
     by_run = {str(run): of_run for run, of_run in axis.samples.groupby("run", sort=False)}
     reasons = list(_of_runs(by_run, axis.runs["run"].tolist(), constants.encoder_resolution))
     samples = f"{AXIS_RULES.least_samples} samples at least of joint"

@@ -25,6 +25,7 @@ from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.following import DAMPINGS, LENGTHS, NEAR, OWN, REFINED
 from bayesfric.rigs.single_axis.measures import SPREAD, Measures
 from bayesfric.rigs.single_axis.readings import Readings
+from bayesfric.rigs.single_axis.rough import without_columns
 from bayesfric.rigs.single_axis.rows import state_of
 
 MOST = 40_000
@@ -152,21 +153,12 @@ class _Rows(NamedTuple):
     ) -> "_Rows":
         """Fit the law by least squares."""
         inside = measures.limit.within(readings)
-        way, place = readings.way, readings.position @ readings.weights
-        law = np.stack(
-            [
-                readings.acceleration,
-                np.ones(readings.count),
-                readings.speed @ readings.weights,
-                readings.force_rate,
-                *(way * (place / measures.stroke) ** power for power in range(2)),
-                *readings.beside.T,
-            ],
-            axis=1,
-        )[inside]
-        basis = np.linalg.qr(law / np.maximum(np.abs(law).max(axis=0), 1e-300))[0]
-        left = readings.force[inside] - basis @ (basis.T @ readings.force[inside])
-        return cls(readings, table, measures, constants, inside, basis, left)
+        spring = readings.way * readings.mean_position / measures.stroke
+        law = np.column_stack(
+            [readings.law_columns, readings.force_rate, readings.way, spring, readings.beside]
+        )
+        left = without_columns(law[inside], readings.force[inside])
+        return cls(readings, table, measures, constants, inside, *left)
 
     def strongest(self, effect: Effect, lengths: Array, measures: Measures) -> tuple[float, float]:
         """Return the largest reduction of the residual sum of squares, and its length.

@@ -17,7 +17,6 @@ forms, which are tabulated over the ratio of these two scales.
 """
 
 from collections.abc import Mapping
-from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -66,10 +65,9 @@ class AxisModel(ExactModel):
         self.trials, size = table, SizeIndex.of(table["pulley_size"])
         self._rough, self._lacks = rows.law, rows.lacks
         self._theta = None if rows.simulated is None else rows.theta
-        self._speed = np.bincount(
-            rows.readings.trial, rows.mean(rows.readings.speed), len(table)
-        ) / np.bincount(rows.readings.trial)
-        self._count = np.bincount(rows.readings.trial).astype(np.float64)
+        trial = rows.readings.trial
+        self._count = np.bincount(trial).astype(np.float64)
+        self._speed = np.bincount(trial, rows.readings.mean_speed, len(table)) / self._count
         self.noise = _probable_noise(rows)
         self._tabulate(rows)
         priors, unit = measures.priors, measures.unit
@@ -99,40 +97,27 @@ class AxisModel(ExactModel):
 
     def _tabulate(self, rows: AxisRows) -> None:
         readings = rows.readings
-        data = np.stack(
-            [
-                readings.force,
-                readings.acceleration,
-                np.ones(readings.count),
-                rows.mean(readings.speed),
-                readings.force_rate,
-                readings.way,
-                *readings.beside.T,
-            ],
-            axis=1,
+        clocks_and_offset = readings.force_rate, readings.way
+        data = np.column_stack(
+            [readings.force, readings.law_columns, *clocks_and_offset, readings.beside]
         )
         pieces = Pieces.of(readings, rows.moved_mass, np.ones(readings.count), rows.law.viscous)
         first = np.array([row[0] for row in pieces.rows])
         owner = readings.trial[first]
         position, force, _, length, along = self.noise
-        ends = [*np.flatnonzero(np.diff(readings.trial, prepend=-1)), readings.count]
-        uneven = rows.law.coulomb * map_columns(rows.mean(readings.position))[:, 1:]
+        uneven = rows.law.coulomb * map_columns(readings.mean_position)[:, 1:]
         variance = along**2 * map_spectrum(length / rows.stroke, DECAY)[0]
         # Amounts of forces beside the law are integrated out at the mode of the noise.
         ratio = float(np.log(self.noise[2] * self._rough.coulomb / self._typical))
         solved = pieces.solved(position, force, float(np.exp(ratio)) * self._typical, length)
-        whole = np.column_stack([uneven, data])
-        weighted = solved.times(whole)
-        grams = np.stack([whole[i:j].T @ weighted[i:j] for i, j in pairwise(ends)])
+        grams = solved.grams(np.column_stack([uneven, data]), readings.trial)
         self._amounts = Amounts.of(integrated(grams, variance)[0].sum(axis=0))
         data = np.column_stack([uneven, self._amounts.without_modes(data)])
         table = []
         for ratio in RATIOS:
             # Errors have the scale of the mode, and the wander is exp(ratio) in typical units.
             solved = pieces.solved(position, force, float(np.exp(ratio)) * self._typical, length)
-            weighted = solved.times(data)
-            grams = np.stack([data[i:j].T @ weighted[i:j] for i, j in pairwise(ends)])
-            forms, uneven_determinant = integrated(grams, variance)
+            forms, uneven_determinant = integrated(solved.grams(data, readings.trial), variance)
             determinants = np.bincount(owner, np.linalg.slogdet(solved.whole)[1], len(self.trials))
             whole = (determinants + uneven_determinant)[:, None]
             table.append(np.concatenate([forms.reshape(len(whole), -1), whole], axis=1))
@@ -232,9 +217,8 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
     columns = np.column_stack([rows.coefficient_columns(), rows.nuisance_columns()])
     rms = np.sqrt((columns**2).mean(axis=0))
     columns = columns / np.where(rms > 0, rms, 1.0)
-    uneven = friction * map_columns(rows.mean(readings.position))[:, 1:]
+    uneven = friction * map_columns(readings.mean_position)[:, 1:]
     data = np.column_stack([uneven, columns, rows.residual()])
-    ends = [*np.flatnonzero(np.diff(readings.trial, prepend=-1)), readings.count]
     every = np.ones(readings.count, dtype=np.bool_)
     start = np.log([readings.position_sd, 0.01 * friction, 0.01, 0.1 * rows.stroke, 0.01])
     width = np.array([0.5, 2.0, 1.5, 1.0, 1.0])
@@ -242,10 +226,8 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
     def loss(z: Array) -> float:
         noise = np.exp(start + width * z)
         solved = pieces.solved(*noise[:4])
-        weighted = solved.times(data)
-        grams = np.stack([data[i:j].T @ weighted[i:j] for i, j in pairwise(ends)])
         variance = noise[4] ** 2 * map_spectrum(noise[3] / rows.stroke, DECAY)[0]
-        forms, determinants = integrated(grams, variance)
+        forms, determinants = integrated(solved.grams(data, readings.trial), variance)
         form = forms.sum(axis=0)
         curvatures = np.diag(form)[:-1]
         # If a simulator replaces the law, and a force is constant, nothing is left to be estimated.

@@ -11,11 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from bayesfric.arrays import Flags, Whole
+from bayesfric.recording.held import SENSED
+from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import rough_amounts
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
-from bayesfric.rigs.single_axis.rough import pull_columns
+from bayesfric.rigs.single_axis.rough import least_squares, pull_columns
 
 LIMITS = 60
 """Limits that are tried, at as many quantiles of the command."""
@@ -61,17 +63,13 @@ class Limit(NamedTuple):
 
 
 def within_limit(
-    logs: Sequence[EvenLog],
-    starts: Sequence[Whole],
-    resolution: float | None,
-    *,
-    clips: bool = True,
-    declared: float | None = None,
+    logs: Sequence[EvenLog], starts: Sequence[Whole], constants: RigConstants
 ) -> tuple[Readings, Limit] | None:
     """Reduce runs to windows, with the force clipped at the limit of the drive.
 
     The limit is estimated from windows with the unclipped force, because clipped windows contain
-    a part of its effect. It is returned together with the windows.
+    a part of its effect. A declared limit is used instead, if any command exceeds it. A measured
+    force is not clipped. The limit is returned together with the windows.
 
     Parameters
     ----------
@@ -79,23 +77,20 @@ def within_limit(
         The runs.
     starts : sequence of ndarray of int
         For each run, the samples at which its trials begin.
-    resolution : float or None
-        Resolution of the encoder.
-    clips : bool
-        Whether the drive may clip the force. A measured force is not clipped.
-    declared : float or None
-        Declared limit; it is used if any command exceeds it. None: the limit is estimated.
+    constants : RigConstants
+        Resolution of the encoder, declared limit, and whether the force was measured.
 
     Returns
     -------
     tuple of (Readings, Limit), or None
         None if no window has a single direction.
     """
+    resolution, declared = constants.encoder_resolution, constants.force_limit_n
     rows = readings_of(logs, starts, resolution)
     if rows is None:
         return None
     most = float(np.abs(rows.drive).max())
-    if not clips or (declared is not None and declared >= most):
+    if constants.force_is in SENSED or (declared is not None and declared >= most):
         limit = Limit(most, 0.0)
     else:
         limit = drive_limit(rows) if declared is None else Limit(declared, 1.0, 1, STATED)
@@ -115,14 +110,14 @@ def drive_limit(readings: Readings) -> Limit:
     """
     size = np.abs(readings.drive)
     toward = np.sign(readings.drive) * readings.way[:, None]
-    ones, speed = np.ones(readings.count), readings.speed @ readings.weights
     every = np.ones(readings.count, dtype=np.bool_)
-    law = np.column_stack([readings.acceleration, ones, speed])
-    rest = rough_amounts(law, readings.beside, readings.force, every)
-    line = np.stack([readings.force - rest, ones, readings.force_rate, speed], axis=1)
-    pull = pull_columns(readings.position @ readings.weights, readings.way)
+    force = readings.force - rough_amounts(
+        readings.law_columns, readings.beside, readings.force, every
+    )
+    pull = pull_columns(readings.mean_position, readings.way)
+    pull = pull[:, : max(0, readings.count // AXIS_RULES.rows_a_number - LINE)]
     line = np.column_stack(
-        [line, pull[:, : max(0, readings.count // AXIS_RULES.rows_a_number - LINE)]]
+        [force, np.ones(readings.count), readings.force_rate, readings.mean_speed, pull]
     )
     width = np.maximum(np.abs(line).max(axis=0), 1e-300)
 
@@ -146,8 +141,7 @@ def drive_limit(readings: Readings) -> Limit:
     places = np.linspace(places[max(best - 1, 0)], places[min(best + 1, LIMITS - 1)], 2 * FINER)
     squares = [left(limit) for limit in places]
     best = int(np.argmin(squares))
-    fitted = line / width @ np.linalg.lstsq(line / width, readings.acceleration, rcond=1e-9)[0]
-    straight = float(np.sum((readings.acceleration - fitted) ** 2))
+    straight = least_squares(line, readings.acceleration, rcond=1e-9)[1]
     if not squares[best] < straight:
         return Limit(float(size.max()), 0.0)
     return Limit(float(places[best]), 1 - squares[best] / straight)

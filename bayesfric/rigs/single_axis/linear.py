@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
-from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.analysis import HalfNormal, LogNormal, Prior
 from bayesfric.arrays import Array, Flags
 from bayesfric.inference.priors import LOG_2PI
 from bayesfric.inference.symmetric import root_of
@@ -78,7 +78,7 @@ class AxisPart(ColumnsPart):
         since = readings.time_s - began[readings.trial]
         self._longest_s = float(since.max()) or 1.0
         self._deviating = deviating_columns(
-            rows.mean(readings.position), moved, rows.friction_of_row, since
+            readings.mean_position, moved, rows.friction_of_row, since
         )
         self._root = np.sqrt(row_weights(rows, model, readings.count))
         self._pieces = Pieces.of(readings, rows.moved_mass, moved, rows.law.viscous)
@@ -240,51 +240,31 @@ def _noise(
     variance would explain a drift over runs as scatter.
     """
     sd, force = readings.position_sd, max(friction, readings.force_sd)
-    wide, along = HalfNormal(scale=0.05), HalfNormal(scale=0.02)
+    wide, narrow = HalfNormal(scale=0.05), HalfNormal(scale=0.02)
+    force_error = HalfNormal(scale=max(0.1 * friction, readings.force_sd - friction))
+
+    def relative(name: str, prior: Prior, start: float, usual: float) -> NoiseParameter:
+        return noise_parameter(name, prior, start, SCATTER, usual, scatters=True)
+
+    def length(name: str, usual: float, least: float, largest: float) -> NoiseParameter:
+        prior = LogNormal(median=usual, sd_log=0.7)
+        return noise_parameter(name, prior, usual, (least, largest), usual)
+
     return (
         noise_parameter(NAMES[0], LogNormal(median=sd, sd_log=0.5), sd, (0.1 * sd, 10 * sd), sd),
         noise_parameter(
-            NAMES[1],
-            HalfNormal(scale=max(0.1 * friction, readings.force_sd - friction)),
-            0.01 * friction,
-            (1e-5 * friction, 10 * force),
-            0.01 * friction,
+            NAMES[1], force_error, 0.01 * friction, (1e-5 * friction, 10 * force), 0.01 * friction
         ),
-        noise_parameter(NAMES[2], along, 0.01, SCATTER, 0.01, scatters=True),
-        noise_parameter(
-            NAMES[3],
-            LogNormal(median=0.1 * stroke, sd_log=0.7),
-            0.1 * stroke,
-            (0.005 * stroke, stroke),
-            0.1 * stroke,
-        ),
-        noise_parameter(NAMES[4], wide, 0.012, SCATTER, 0.01, scatters=True),
-        noise_parameter(
-            NAMES[5],
-            wide if is_repeated else ONCE,
-            0.012 if is_repeated else 0.001,
-            SCATTER,
-            0.015,
-            scatters=True,
-        ),
-        noise_parameter(NAMES[6], along, 0.01, SCATTER, 0.01, scatters=True),
-        noise_parameter(NAMES[7], along, 0.003, SCATTER, 0.005, scatters=True),
-        noise_parameter(
-            NAMES[8],
-            LogNormal(median=0.1 * stroke, sd_log=0.7),
-            0.1 * stroke,
-            (0.005 * stroke, stroke),
-            0.1 * stroke,
-        ),
+        relative(NAMES[2], narrow, 0.01, 0.01),
+        length(NAMES[3], 0.1 * stroke, 0.005 * stroke, stroke),
+        relative(NAMES[4], wide, 0.012, 0.01),
+        relative(NAMES[5], *((wide, 0.012) if is_repeated else (ONCE, 0.001)), 0.015),
+        relative(NAMES[6], narrow, 0.01, 0.01),
+        relative(NAMES[7], narrow, 0.003, 0.005),
+        length(NAMES[8], 0.1 * stroke, 0.005 * stroke, stroke),
         noise_parameter(NAMES[9], LogNormal(median=2.0, sd_log=0.5), 2.0, (0.7, 12.0), 2.0),
-        noise_parameter(NAMES[10], along, 0.003, SCATTER, 0.005, scatters=True),
-        noise_parameter(
-            NAMES[11],
-            LogNormal(median=0.2 * longest_s, sd_log=0.7),
-            0.2 * longest_s,
-            (0.01 * longest_s, longest_s),
-            0.2 * longest_s,
-        ),
+        relative(NAMES[10], narrow, 0.003, 0.005),
+        length(NAMES[11], 0.2 * longest_s, 0.01 * longest_s, longest_s),
     )
 
 

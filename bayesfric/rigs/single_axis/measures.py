@@ -199,7 +199,7 @@ def measures_of(
     limit : Limit
         Force limit of the drive.
     """
-    speed = readings.speed @ readings.weights
+    speed = readings.mean_speed
     inside = limit.within(readings)
     rough = rough_law_of(readings, inside)
     force = float(np.sqrt(np.mean(readings.force[inside] ** 2)))

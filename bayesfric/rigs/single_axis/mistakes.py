@@ -40,7 +40,7 @@ def likely_mistakes(
         )
     if interval_s < DENSEST_S:
         yield f"The log has {1 / interval_s:,.0f} samples a second: are its times in another unit?"
-    speed = readings.speed @ readings.weights
+    speed = readings.mean_speed
     if viscous and np.ptp(speed) < AXIS_RULES.one_speed * float(speed.max()):
         yield (
             f"The axis runs at one speed, {speed.mean():.3g} {measures.unit('m')}/s, at which "

@@ -105,9 +105,8 @@ def works_backwards(readings: Readings) -> bool:
     readings : Readings
         Rows of all runs.
     """
-    speed = readings.speed @ readings.weights
-    pull = pull_columns(readings.position @ readings.weights, readings.way)
-    columns = np.column_stack([readings.acceleration, np.ones(readings.count), speed, pull])
+    pull = pull_columns(readings.mean_position, readings.way)
+    columns = np.column_stack([readings.law_columns, pull])
     if readings.count < 2 * columns.shape[1]:
         return False
     columns = columns / np.maximum(np.abs(columns).max(axis=0), 1e-300)

@@ -109,7 +109,7 @@ class _Pull(NamedTuple):
     @classmethod
     def of(cls, rows: Readings, law: AxisLaw) -> "_Pull":
         """Fit the residuals of windows after the law by functions of position."""
-        position, speed = rows.position @ rows.weights, rows.speed @ rows.weights
+        position, speed = rows.mean_position, rows.mean_speed
         residual = rows.force - law.mass * rows.acceleration - law.coulomb - law.viscous * speed
         basis = pull_basis(position, *places_of(position))
         amounts = np.linalg.lstsq(basis, rows.way * residual, rcond=None)[0]

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.readings import Readings
+from bayesfric.rigs.single_axis.rough import without_columns
 
 LEAST, MOST = 2.0, 100.0  # range of the search [waves over the path]
 BESIDE_JOINTS = 5.0
@@ -52,15 +53,11 @@ def strongest_wave(readings: Readings, least: float = LEAST) -> Wave:
     low, span = float(readings.position.min()), float(np.ptp(readings.position)) or 1.0
     middle = low + 0.5 * span
     place = (readings.position - middle) / span
-    ones = np.ones(readings.count)
-    fixed_waves = np.stack(
-        [readings.acceleration, ones, readings.speed @ readings.weights, readings.force_rate]
-        + [readings.way * (place**power @ readings.weights) for power in range(4)]
-        + [*readings.beside.T],
-        axis=1,
+    powers = [readings.way * (place**power @ readings.weights) for power in range(4)]
+    basis, residual = without_columns(
+        np.column_stack([readings.law_columns, readings.force_rate, *powers, readings.beside]),
+        readings.force,
     )
-    basis = np.linalg.qr(fixed_waves / np.maximum(np.abs(fixed_waves).max(axis=0), 1e-300))[0]
-    residual = readings.force - basis @ (basis.T @ readings.force)
 
     def numbers(turned: NDArray[np.complex128]) -> tuple[float, Array]:
         """Return by how much a wave reduces the squares, and amplitudes of its cosine and sine.

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -131,6 +132,27 @@ class Readings:
         """Weights of the places inside a window, for a mean under φ, shape (P,)."""
         return node_weights()[1]
 
+    @cached_property
+    def mean_speed(self) -> Array:
+        """Mean speed of each window, (W,) [m/s or rad/s]."""
+        return np.asarray(self.speed @ self.weights)
+
+    @cached_property
+    def mean_position(self) -> Array:
+        """Mean position of each window, (W,) [m or rad]."""
+        return np.asarray(self.position @ self.weights)
+
+    @property
+    def law_columns(self) -> Array:
+        """Force of each window by the law per unit mass, Coulomb and viscous friction, (W, 3)."""
+        return np.column_stack([self.acceleration, np.ones(self.count), self.mean_speed])
+
+    @property
+    def gravity_columns(self) -> Array:
+        """Sine and cosine of the angle along the motion, the means of each window, (W, 2)."""
+        pulls = np.stack([np.sin(self.position), np.cos(self.position)]) @ self.weights
+        return np.asarray((self.way * pulls).T)
+
     @property
     def acceleration_sd(self) -> float:
         """Rms error of the acceleration due to errors of the positions."""
@@ -172,10 +194,9 @@ class Readings:
 
     @property
     def _independent_square(self) -> float:
-        place, speed = self.position @ self.weights, self.speed @ self.weights
-        ones = np.ones(self.count)
+        place, ones = self.mean_position, np.ones(self.count)
         pulls = self.way[:, None] * np.column_stack([ones, np.sin(place), np.cos(place)])
-        others = np.column_stack([ones, speed, pulls])
+        others = np.column_stack([ones, self.mean_speed, pulls])
         if self.count < FEW_ROWS * others.shape[1]:
             return np.inf  # the residuals of so few windows would be too small
         fitted = np.linalg.lstsq(others, self.acceleration, rcond=SINGULAR)[0]
@@ -185,10 +206,10 @@ class Readings:
     @property
     def weight_pulls(self) -> float:
         """Rms gravity torque of a weight on a lever, fitted by least squares with the law [N·m]."""
-        place, speed = self.position @ self.weights, self.speed @ self.weights
+        place = self.mean_position
         pulls = self.way[:, None] * np.column_stack([np.sin(place), np.cos(place)])
-        law = np.column_stack([self.acceleration, np.ones(self.count), speed, self.way])
-        fitted = np.linalg.lstsq(np.hstack([law, pulls]), self.force, rcond=SINGULAR)[0]
+        columns = np.column_stack([self.law_columns, self.way, pulls])
+        fitted = np.linalg.lstsq(columns, self.force, rcond=SINGULAR)[0]
         return float(np.sqrt(np.mean((pulls @ fitted[-2:]) ** 2)))
 
     def of(self, trials: Whole) -> "Readings":
@@ -336,8 +357,7 @@ def with_lever(rows: Readings, force: float) -> Readings:
     force : float
         Amplitude of the forces for amounts of 1 [N·m].
     """
-    pulls = force * np.stack([np.sin(rows.position), np.cos(rows.position)]) @ rows.weights
-    return replace(rows, beside=np.column_stack([rows.beside, (rows.way * pulls).T]))
+    return replace(rows, beside=np.column_stack([rows.beside, force * rows.gravity_columns]))
 
 
 def _count(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> int:
@@ -378,8 +398,8 @@ def rough_law_of(rows: Readings, inside: Flags, *, viscous: bool = True) -> Roug
     viscous : bool
         Whether the law has viscous friction.
     """
-    speed = viscous * (rows.speed @ rows.weights)
-    pull = pull_columns(rows.position @ rows.weights, rows.way)
+    speed = viscous * rows.mean_speed
+    pull = pull_columns(rows.mean_position, rows.way)
     # An acceleration that consists of position errors alone does not determine a mass.
     acceleration = rows.acceleration * (rows.acceleration_sd < np.std(rows.acceleration))
     columns = np.column_stack([acceleration, np.ones(rows.count), speed])

@@ -62,6 +62,23 @@ def pull_basis(position: Array, middle: float, half: float) -> Array:
     return np.asarray(columns)
 
 
+def least_squares(columns: Array, force: Array, *, rcond: float) -> tuple[Array, float]:
+    """Return least-squares coefficients and the residual sum of squares.
+
+    Columns are scaled to a largest value of 1. The coefficient of a column of zeros is 0.
+    """
+    width = np.abs(columns).max(axis=0, initial=0.0)
+    width[width == 0] = 1.0
+    coefficients = np.linalg.lstsq(columns / width, force, rcond=rcond)[0] / width
+    return coefficients, float(np.sum((force - columns @ coefficients) ** 2))
+
+
+def without_columns(columns: Array, force: Array) -> tuple[Array, Array]:
+    """Return an orthonormal basis of columns, (W, k), and the residual of a force beside them."""
+    basis = np.linalg.qr(columns / np.maximum(np.abs(columns).max(axis=0), 1e-300))[0]
+    return basis, np.asarray(force - basis @ (basis.T @ force))
+
+
 def rough_law(
     force: Array, acceleration: Array, speed: Array, pull: Array | None = None
 ) -> RoughLaw:
@@ -101,16 +118,11 @@ def _positive(columns: Array, force: Array) -> tuple[Array, float]:
 
     Negative mass and Coulomb friction are then set to 0, without a new fit of the others.
     """
-    free = np.ones(columns.shape[1])
-    while True:
-        width = np.abs(columns * free).max(axis=0, initial=0.0)
-        width[width == 0] = 1.0
-        design = columns * free / width
-        coefficients = np.linalg.lstsq(design, force, rcond=SINGULAR)[0] / width
-        if coefficients[2] >= 0 or not free[2]:
-            squares = float(np.sum((force - columns * free @ coefficients) ** 2))
-            return np.append(np.maximum(coefficients[:3], 0.0), coefficients[3:]), squares
-        free[2] = 0.0
+    coefficients, squares = least_squares(columns, force, rcond=SINGULAR)
+    if coefficients[2] < 0:
+        columns = columns * (np.arange(columns.shape[1]) != 2)
+        coefficients, squares = least_squares(columns, force, rcond=SINGULAR)
+    return np.append(np.maximum(coefficients[:3], 0.0), coefficients[3:]), squares
 
 
 def places_of(position: Array) -> tuple[float, float]:

@@ -37,7 +37,7 @@ def rows_of_run(
 ) -> dict[str, Array]:
     """Return the windows of one run: fields of :class:`Readings`, and where each window is."""
     half = test.half
-    position, velocity, way = _motion(log, half, noise, stroke)
+    position, velocity, way = _motion(log, half, noise)
     travel, before = passes_of(position, way, FAR * stroke)
     dwell, since = rests_of(position, way, log.interval_s)
     _forget_start(position, way, stroke)
@@ -115,7 +115,7 @@ def _may_rest(position: Array, span: int, noise: float) -> Flags:
     return may_rest
 
 
-def _motion(log: EvenLog, half: int, noise: float, stroke: float) -> tuple[Array, Array, Array]:
+def _motion(log: EvenLog, half: int, noise: float) -> tuple[Array, Array, Array]:
     """Return position, speed and direction of a run.
 
     The direction is 0 where a simulated path has another one.

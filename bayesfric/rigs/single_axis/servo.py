@@ -23,7 +23,7 @@ from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
 from bayesfric.rigs.single_axis.payloads import payload_masses
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
-from bayesfric.rigs.single_axis.rough import pull_columns
+from bayesfric.rigs.single_axis.rough import SINGULAR, least_squares, pull_columns
 from bayesfric.rigs.single_axis.servo_log import DELAY_S, DELAY_SD_S, samples_a_period
 from bayesfric.rigs.single_axis.simulated import log_of
 from bayesfric.rigs.single_axis.weak_form import WeakForce
@@ -228,14 +228,11 @@ def pull_beside_payloads(readings: Readings) -> float:
     readings : Readings
         W windows.
     """
-    place = readings.position @ readings.weights
-    pull = pull_columns(place, readings.way)
+    pull = pull_columns(readings.mean_position, readings.way)
     law = np.column_stack([_law(readings)[:, :DELAY], pull])
     every = np.ones(readings.count, dtype=np.bool_)
     rest = readings.force - rough_amounts(law, readings.beside, readings.force, every)
-    width = np.abs(law).max(axis=0)
-    width[width == 0] = 1.0
-    numbers = np.linalg.lstsq(law / width, rest, rcond=1e-6)[0] / width
+    numbers, _ = least_squares(law, rest, rcond=SINGULAR)
     size = float(np.mean((pull @ numbers[DELAY:]) ** 2))
     is_little = size < AXIS_RULES.pulled * float(np.mean(readings.force**2))
     return 0.0 if is_little else float(np.sqrt(size))
@@ -271,9 +268,7 @@ def with_open_stiffness(readings: Readings, servo: Servo) -> Readings:
     every = np.ones(readings.count, dtype=np.bool_)
     amounts = rough_shares(law, readings.beside, readings.force, every)
     rest = readings.force - readings.beside @ amounts
-    width = np.abs(law).max(axis=0)
-    law = law / np.where(width > 0, width, 1.0)
-    numbers = np.linalg.lstsq(law, rest, rcond=1e-9)[0]
+    numbers, _ = least_squares(law, rest, rcond=1e-9)
     held = (readings.known_held + readings.known_moved) @ readings.weights
     whole = law @ numbers + readings.beside @ amounts + readings.way * held
     return _with_beside(readings, servo.open_by * whole[:, None])
@@ -300,9 +295,7 @@ def _interval_s(axis: Axis) -> float:
 
 def _law(rows: Readings) -> Array:
     """Return the law's columns: acceleration, 1, speed, delay and offset, (W, 5)."""
-    speed = rows.speed @ rows.weights
-    ones = np.ones(rows.count)
-    return np.stack([rows.acceleration, ones, speed, rows.force_rate, rows.way], axis=1)
+    return np.column_stack([rows.law_columns, rows.force_rate, rows.way])
 
 
 def _pilot(axis: Axis, constants: RigConstants, delay: tuple[float, float]) -> _Pilot | None:
@@ -318,7 +311,9 @@ def _pilot(axis: Axis, constants: RigConstants, delay: tuple[float, float]) -> _
     rows = readings_of(logs, starts, constants.encoder_resolution) if logs else None
     if rows is None:
         return None
-    columns = [_law(rows), rows.simulated, _pulls(rows, constants, machine)]
+    columns = [_law(rows), rows.simulated]
+    if constants.rotary and rows.simulated.shape[1] != 1:  # a single known force contains gravity
+        columns.append(rows.gravity_columns)
     numbers, errors = _fitted(rows, np.column_stack(columns), delay)
     return _Pilot(rows, numbers, errors, samples_a_period(logs))
 
@@ -338,16 +333,6 @@ def _known_forces(
         yield WeakForce(weight * np.cos(log.position))
         inertia = mass * constants.payload_arm_m**2
         yield WeakForce(np.zeros(log.position.size), curvature=inertia * log.position)
-
-
-def _pulls(rows: Readings, constants: RigConstants, machine: Machine) -> Array:
-    """Return the columns of gravity in each window, (W, m); none if a model describes it."""
-    models = rows.simulated.shape[1] == 1
-    if models or not constants.rotary:
-        return np.zeros((rows.count, 0))
-    place = rows.position
-    pulls = [np.sin(place) @ rows.weights, np.cos(place) @ rows.weights]
-    return np.stack(pulls, axis=1) * rows.way[:, None]
 
 
 def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> tuple[Array, Array]:

@@ -331,4 +331,4 @@ def opened(
     entered = entering(axis, constants, simulator)
     if isinstance(entered, Unsupported):
         return None
-    return AxisRuns(rig, **entered._asdict(), source=axis)
+    return AxisRuns(rig, **entered, source=axis)

@@ -8,7 +8,7 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise, resolving, smooth_motion
-from bayesfric.rigs.single_axis.rough import pull_columns, rough_law
+from bayesfric.rigs.single_axis.rough import SINGULAR, least_squares, pull_columns, rough_law
 from bayesfric.rigs.single_axis.run_rows import SMOOTHED, rows_of_run
 from bayesfric.rigs.single_axis.weak_form import node_weights, test_function
 
@@ -160,8 +160,6 @@ def late_by(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float)
         design = np.stack([rate, acceleration, np.ones_like(rate), speed], axis=1)
         if rough_law(force, acceleration, speed, pull).pull:
             design = np.column_stack([design, pull])
-        width = np.abs(design).max(axis=0, initial=0.0)
-        width[width == 0] = 1.0
-        numbers = np.linalg.lstsq(design / width, force, rcond=1e-6)[0] / width
+        numbers, _ = least_squares(design, force, rcond=SINGULAR)
         late_s = float(np.clip(numbers[0], -LATEST_S, LATEST_S)) if force.size else 0.0
     return late_s
