@@ -7,9 +7,10 @@ The order interleaves all kinds of case. So a campaign that is stopped early is 
 and a campaign of fewer cases is the beginning of one of more.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations, count, islice
+from functools import partial
+from itertools import combinations, count
 from typing import Literal
 
 import numpy as np
@@ -36,6 +37,10 @@ KINDS: tuple[Kind, ...] = ("none", "effect", "pair", "outsider")
 PRIOR = {"none": 0.5, "effect": 0.3, "pair": 0.1, "outsider": 0.1}
 """Prior probabilities of a diagnosis, by kind of case. The 2 % of three or more effects are drawn
 as pairs, since engines withhold at most two."""
+
+
+Drawn = tuple[Kind, tuple[tuple[str, float], ...], Literal["own", "foreign", "random"]]
+"""Kind, names and strengths, and form of what is withheld."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +94,6 @@ def cases_of(
     first_seed: int = SCORING_FROM,
     *,
     engine: str = "reference",
-    design: str = "quick",
 ) -> dict[str, BlindCase]:
     """Return the cases of a campaign by name, in their order.
 
@@ -105,7 +109,7 @@ def cases_of(
         Number of cases, at least 1.
     first_seed : int
         Seed of the first case; each further case has the next.
-    engine, design : str
+    engine : str
         Recorded in each case.
 
     Raises
@@ -113,13 +117,7 @@ def cases_of(
     InputError
         The number is not positive, or the seeds include both tuning and scoring seeds.
     """
-    _check(number, first_seed)
-    cases = {}
-    for place, (kind, effects, form) in enumerate(islice(_endless(catalogue), number)):
-        seed = first_seed + place
-        name = f"{seed:06d}"
-        cases[name] = BlindCase(name, seed, kind, effects, form, engine, design)
-    return cases
+    return _numbered(_endless(catalogue), number, first_seed, engine)
 
 
 def cases_from_prior(
@@ -128,34 +126,40 @@ def cases_from_prior(
     first_seed: int = SCORING_FROM,
     *,
     engine: str = "reference",
-    design: str = "quick",
 ) -> dict[str, BlindCase]:
     """Return cases whose hypotheses are drawn from the prior that a diagnosis reports.
 
     Strengths are half-normal with scale 1, which is 10 % of friction. On such cases reported
     probabilities should be calibrated. Parameters as for :func:`cases_of`.
     """
+    drawn = map(partial(_from_prior, catalogue), count(first_seed))
+    return _numbered(drawn, number, first_seed, engine)
+
+
+def _numbered(
+    drawn: Iterable[Drawn], number: int, first_seed: int, engine: str
+) -> dict[str, BlindCase]:
+    """Return the first cases by name; each has the next seed."""
     _check(number, first_seed)
-    cases = {}
-    names = sorted(catalogue.effects)
-    for place in range(number):
-        seed = first_seed + place
-        rng = np.random.default_rng([PRIOR_SEED, seed])
-        kind = KINDS[
-            int(rng.choice(len(KINDS), p=[PRIOR[kind_of_prior] for kind_of_prior in KINDS]))
-        ]
-        several = {"none": 0, "effect": 1, "outsider": 1, "pair": 2}[kind]
-        pool = list(catalogue.outsiders) if kind == "outsider" else names
+    seeds = range(first_seed, first_seed + number)
+    return {
+        f"{seed:06d}": BlindCase(f"{seed:06d}", seed, *withheld, engine)
+        for seed, withheld in zip(seeds, drawn, strict=False)
+    }
+
+
+def _from_prior(catalogue: Catalogue, seed: int) -> Drawn:
+    """Draw a hypothesis from the prior of a diagnosis."""
+    rng = np.random.default_rng([PRIOR_SEED, seed])
+    kind = KINDS[int(rng.choice(len(KINDS), p=[PRIOR[name] for name in KINDS]))]
+    several = {"none": 0, "effect": 1, "outsider": 1, "pair": 2}[kind]
+    pool = list(catalogue.outsiders) if kind == "outsider" else sorted(catalogue.effects)
+    drawn = _without_repeats(rng, pool, several)
+    while any(set(drawn) <= alike for alike in INSEPARABLE_CLASSES if several == 2):
         drawn = _without_repeats(rng, pool, several)
-        while any(set(drawn) <= alike for alike in INSEPARABLE_CLASSES if several == 2):
-            drawn = _without_repeats(rng, pool, several)
-        strengths = np.maximum(np.abs(rng.standard_normal(several)), LEAST_STRENGTH)
-        effects = tuple(
-            (name_drawn, round(float(s), 3)) for name_drawn, s in zip(drawn, strengths, strict=True)
-        )
-        name = f"{seed:06d}"
-        cases[name] = BlindCase(name, seed, kind, effects, "random", engine, design)
-    return cases
+    strengths = np.maximum(np.abs(rng.standard_normal(several)), LEAST_STRENGTH)
+    effects = zip(drawn, (round(float(s), 3) for s in strengths), strict=True)
+    return kind, tuple(effects), "random"
 
 
 def _without_repeats(rng: np.random.Generator, pool: Sequence[str], several: int) -> list[str]:
@@ -172,9 +176,6 @@ def _check(number: int, first_seed: int) -> None:
             f"{number} cases from here are some of each"
         )
         raise InputError([Fault("command line", expected, column="--seed", value=str(first_seed))])
-
-
-Drawn = tuple[Kind, tuple[tuple[str, float], ...], Literal["own", "foreign", "random"]]
 
 
 def _endless(catalogue: Catalogue) -> Iterator[Drawn]:

@@ -1,15 +1,13 @@
 """An actuator that follows its command with a time constant."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _first_order(p: Mapping[str, Array], state: State) -> Array:
+def _first_order(p: Parameters, state: State) -> Array:
     # τ F_a' + F_a = F: the command F exceeds the acting force F_a by τ F_a'.
     return np.asarray(p["time"] * np.asarray(state.lagging_rate_n_s))
 

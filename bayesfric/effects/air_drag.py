@@ -1,15 +1,13 @@
 """Drag of the air: grows with the square of speed, whatever the number of pulleys."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _quadratic(p: Mapping[str, Array], state: State) -> Array:
+def _quadratic(p: Parameters, state: State) -> Array:
     return np.asarray(p["coefficient"] * np.asarray(state.speed_m_s) ** 2)
 
 

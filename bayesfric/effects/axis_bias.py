@@ -1,15 +1,13 @@
 """A constant force along an axis: tilt, a weight, an offset of the drive."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _constant(p: Mapping[str, Array], state: State) -> Array:
+def _constant(p: Parameters, state: State) -> Array:
     return np.asarray(p["force"] * np.asarray(state.direction))
 
 

@@ -5,19 +5,17 @@ mass coasts. If the drive decelerates faster than friction decelerates the load,
 the gap. It is caught on the other side, takes the drive's speed and loses its excess momentum.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, Law, State, load_law
+from bayesfric.effects.base import Effect, EffectParameter, Law, Parameters, State, load_law
 from bayesfric.physics.loads import taken_along
 
 SHARP = 10.0  # the load is picked up over a tenth of the gap
 
 
-def _light(p: Mapping[str, Array], state: State) -> Array:
+def _light(p: Parameters, state: State) -> Array:
     behind, _ = taken_along(state.travel_m, state.speed_m_s, p["gap"], SHARP)
     return np.asarray(-p["share"] * np.abs(state.direction) * state.friction_n * behind)
 

@@ -22,6 +22,8 @@ BY_LOAD = "friction by the load"
 """Name of the ladder of effects that are friction which grows with the load of a gear."""
 WRAP_SPAN_DEG = 50.0
 """Change of the wrap angle from the paper's 85° at which a wrap effect has its amplitude."""
+Parameters = Mapping[str, Array]
+"""Values of an effect's parameters by name, arrays that broadcast with those of the state."""
 ActsOn = Literal["friction", "drive", "reading", "current"]
 Law = Callable[[Mapping[str, Any], Any], Array]
 """(parameters, :class:`State`), or :class:`Reading` for an effect on readings, to numbers."""
@@ -177,7 +179,7 @@ def load_law(held: str, length: str, heavy: float) -> Law:
     return partial(_of_load, held, length, heavy)
 
 
-def sprung_by_own_shares(p: Mapping[str, Array], state: State) -> Array:
+def sprung_by_own_shares(p: Parameters, state: State) -> Array:
     """Return the force of a load on a spring whose ratio of shares was searched for [N].
 
     The ratio is ``mass_over_friction``. The length is defined with a share of the friction that
@@ -187,7 +189,7 @@ def sprung_by_own_shares(p: Mapping[str, Array], state: State) -> Array:
     return _of_load("spring", "length", heavy, {**p, "length": p["length"] / heavy}, state)
 
 
-def _of_load(held: str, length: str, heavy: float, p: Mapping[str, Array], state: State) -> Array:
+def _of_load(held: str, length: str, heavy: float, p: Parameters, state: State) -> Array:
     late, lost = (np.asarray(part) for part in state.load(held, heavy, p[length]))
     if np.isinf(heavy):
         return np.asarray(p["share"] * np.asarray(state.mass_kg) * late)
@@ -195,13 +197,13 @@ def _of_load(held: str, length: str, heavy: float, p: Mapping[str, Array], state
     return np.asarray(p["share"] * (mass * late + state.friction_n * lost))
 
 
-def exponentially(p: Mapping[str, Array], state: State) -> Array:
+def exponentially(p: Parameters, state: State) -> Array:
     """Return the friction that is missing until it settles, exponentially with travel [N]."""
     unsettled = np.exp(-np.asarray(state.travel_m) / p["length"])
     return -p["share"] * state.settling_friction_n * unsettled
 
 
-def after_passes(p: Mapping[str, Array], state: State) -> Array:
+def after_passes(p: Parameters, state: State) -> Array:
     """Return Dahl's law, dz/dx = (1 − z)/L along the motion, over passes of any travel.
 
     After a reversal friction starts from the state in which the previous pass ended. The less it

@@ -1,24 +1,22 @@
 """Bed-in: friction that settles over the first trials of each assembly."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import LogNormal, Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _first(p: Mapping[str, Array], state: State) -> Array:
+def _first(p: Parameters, state: State) -> Array:
     """Return the excess in an assembly's first trial; 0 in a steady state, where it is over."""
     return np.asarray(p["excess"] * state.friction_n * (not state.steady))
 
 
-def _exponential(p: Mapping[str, Array], state: State) -> Array:
+def _exponential(p: Parameters, state: State) -> Array:
     return np.asarray(_first(p, state) * np.exp(-np.asarray(state.trial_in_setup) / p["trials"]))
 
 
-def _hyperbolic(p: Mapping[str, Array], state: State) -> Array:
+def _hyperbolic(p: Parameters, state: State) -> Array:
     """Return the remaining excess if its rate of decay is in proportion to its square."""
     return np.asarray(_first(p, state) / (1 + np.asarray(state.trial_in_setup) / p["trials"]))
 

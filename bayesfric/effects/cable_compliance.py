@@ -1,17 +1,15 @@
 """A cable that stretches: the masses ring on it after the release, eq. (3)."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import LogNormal, Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, Reading
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, Reading
 
 DAMPING_RATIO = 0.05
 
 
-def _ringing(p: Mapping[str, Array], reading: Reading) -> Array:
+def _ringing(p: Parameters, reading: Reading) -> Array:
     drive, load = np.asarray(reading.mass_drive_kg), np.asarray(reading.mass_load_kg)
     rate = np.sqrt(p["stiffness"] * (1 / drive + 1 / load))
     phase = rate * np.asarray(reading.time_s)

@@ -1,24 +1,22 @@
 """Weight of the cable that passes from one side to the other."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 from bayesfric.physics.gravity import TRAVEL_M
 
 CABLE_M = 1.6  # length of the cable between the masses; all of it moves
 
 
-def _passing(p: Mapping[str, Array], state: State) -> Array:
+def _passing(p: Parameters, state: State) -> Array:
     longer = 2 * np.asarray(state.travel_m) - p["middle"]  # drive side less load side
     weight = p["density"] * np.asarray(state.gravity_m_s2) * (not state.steady)
     return np.asarray(-weight * longer)
 
 
-def _with_inertia(p: Mapping[str, Array], state: State) -> Array:
+def _with_inertia(p: Parameters, state: State) -> Array:
     moved = p["density"] * CABLE_M * np.asarray(state.acceleration_m_s2) * (not state.steady)
     return np.asarray(_passing(p, state) + moved)
 

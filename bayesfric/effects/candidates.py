@@ -34,14 +34,11 @@ class Candidate:
         Name of the variant.
     node : float
         Normal quantile of the shape; 0 without one.
-    cell : float
-        Width of the node's part of the prior, in normal quantiles; 0 without a node.
     """
 
     effect: Effect
     law: str
     node: float
-    cell: float = 0.0
 
     @property
     def shape(self) -> float | None:
@@ -54,12 +51,7 @@ class Candidate:
 def candidates_of(effect: Effect) -> list[Candidate]:
     """Return the candidates of an effect, by law and then by ascending nodes of the shape."""
     nodes = np.zeros(1) if effect.shape is None else SHAPE_NODES
-    cells = np.gradient(nodes) if nodes.size > 1 else np.zeros(1)
-    return [
-        Candidate(effect, law, float(node), float(cell))
-        for law in effect.laws
-        for node, cell in zip(nodes, cells, strict=True)
-    ]
+    return [Candidate(effect, law, float(node)) for law in effect.laws for node in nodes]
 
 
 def unit_values(candidate: Candidate) -> tuple[Mapping[str, Any], float]:

@@ -4,16 +4,14 @@ To first order it equals an error of the length scale that is twice as large: fr
 twice the travel. On the gravity board the two cannot be told apart.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, Reading
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, Reading
 
 
-def _proportional(p: Mapping[str, Array], reading: Reading) -> Array:
+def _proportional(p: Parameters, reading: Reading) -> Array:
     # If the clock reads too long by ε t, the cable is v ε t further on at the recorded time.
     return np.asarray(p["excess"] * np.asarray(reading.speed_m_s) * np.asarray(reading.time_s))
 

@@ -5,16 +5,14 @@ whose waves drift apart by half a turn over the path. So the rig searches the da
 phase, and the evidence is divided by the number of distinguishable forms that were searched.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _wave(p: Mapping[str, Array], state: State) -> Array:
+def _wave(p: Parameters, state: State) -> Array:
     turns = (np.asarray(state.position_m) - state.wave_from_m) / p["period"]
     return np.asarray(p["force"] * np.sin(2 * np.pi * turns) * np.asarray(state.direction))
 

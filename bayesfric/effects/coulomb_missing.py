@@ -4,16 +4,14 @@ It is examined if the law, or the simulator that replaces it, has no Coulomb fri
 motion in one direction only, it cannot be told from a weight or from an offset (``axis-bias``).
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _constant(p: Mapping[str, Array], state: State) -> Array:
+def _constant(p: Parameters, state: State) -> Array:
     return np.asarray(p["force"] * np.abs(np.asarray(state.direction)))
 
 

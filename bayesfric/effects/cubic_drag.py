@@ -4,16 +4,14 @@ Churned oil and eddy currents make viscous friction nonlinear. Over a small rang
 effect is confounded with ``air-drag``, and with ``viscous`` if the law has no viscous friction.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _cubic(p: Mapping[str, Array], state: State) -> Array:
+def _cubic(p: Parameters, state: State) -> Array:
     moving = np.abs(np.asarray(state.direction))
     return np.asarray(p["coefficient"] * np.asarray(state.speed_m_s) ** 3 * moving)
 

@@ -1,15 +1,13 @@
 """A current sensor whose zero moved between the idle motor and the runs."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _constant(p: Mapping[str, Array], state: State) -> Array:
+def _constant(p: Parameters, state: State) -> Array:
     return p["offset"] * np.ones_like(np.asarray(state.load_current_a, dtype=np.float64))
 
 

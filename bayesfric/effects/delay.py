@@ -1,15 +1,13 @@
 """The drive force acts later than the log says."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _late(p: Mapping[str, Array], state: State) -> Array:
+def _late(p: Parameters, state: State) -> Array:
     # The logged force exceeds the acting one by F(t) − F(t − d) = d F'(t − d/2), up to d³.
     return np.asarray(p["time"] * np.asarray(state.force_rate_n_s))
 

@@ -1,15 +1,13 @@
 """Friction that differs between the two directions of an axis."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _relative(p: Mapping[str, Array], state: State) -> Array:
+def _relative(p: Parameters, state: State) -> Array:
     return np.asarray(p["share"] * state.friction_n * np.asarray(state.direction))
 
 

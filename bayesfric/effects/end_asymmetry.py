@@ -1,19 +1,17 @@
 """Friction that differs between the two physical ends: guides, bearings or a plate out of line."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _relative(p: Mapping[str, Array], state: State) -> Array:
+def _relative(p: Parameters, state: State) -> Array:
     return np.asarray(p["difference"] * state.friction_n * np.asarray(state.drive_end))
 
 
-def _constant_part(p: Mapping[str, Array], state: State) -> Array:
+def _constant_part(p: Parameters, state: State) -> Array:
     """Return the difference if its cause is seals or grease, independent of tension."""
     ends = np.asarray(state.drive_end) * np.ones_like(state.tension_n)
     return np.asarray(p["difference"] * np.asarray(state.constant_friction_n) * ends)

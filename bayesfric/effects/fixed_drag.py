@@ -1,22 +1,20 @@
 """A drag that does not depend on the number of pulleys."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 from bayesfric.effects.state import REFERENCE_TENSION_N
 
 WITH_TENSION = 0.4  # share at 15 N that grows with tension; 0.8 for a pulley by Table I, 0 for felt
 
 
-def _constant(p: Mapping[str, Array], state: State) -> Array:
+def _constant(p: Parameters, state: State) -> Array:
     return p["drag"] * np.ones_like(np.asarray(state.n_pulleys, dtype=np.float64))
 
 
-def _with_tension(p: Mapping[str, Array], state: State) -> Array:
+def _with_tension(p: Parameters, state: State) -> Array:
     # The drag of sensor pulleys grows with tension; that of felt and brushes does not.
     more = np.asarray(state.tension_n) / REFERENCE_TENSION_N - 1
     return np.asarray(_constant(p, state) * (1 + WITH_TENSION * more))

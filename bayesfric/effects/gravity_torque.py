@@ -4,16 +4,14 @@ Over a small stroke about the hanging position it is the same as a spring. Few j
 and most have a weight.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal, Uniform
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _lever(p: Mapping[str, Array], state: State) -> Array:
+def _lever(p: Parameters, state: State) -> Array:
     pull = np.sin(np.asarray(state.position_m) + p["angle"])
     return np.asarray(p["torque"] * pull * np.asarray(state.direction))
 

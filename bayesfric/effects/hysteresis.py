@@ -5,16 +5,21 @@ cable runs in one direction only cannot tell the two apart, except by their leng
 Bouc and Wen with exponent 2, dz/dx = (1 − z²)/L, has another curve.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State, after_passes, exponentially
+from bayesfric.effects.base import (
+    Effect,
+    EffectParameter,
+    Parameters,
+    State,
+    after_passes,
+    exponentially,
+)
 
 
-def _bouc_wen(p: Mapping[str, Array], state: State) -> Array:
+def _bouc_wen(p: Parameters, state: State) -> Array:
     unsettled = 1 - np.tanh(np.asarray(state.travel_m) / p["length"])
     return np.asarray(-p["share"] * state.settling_friction_n * unsettled)
 

@@ -1,15 +1,13 @@
 """A mean spacing of the magnets that is not the specified one."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, Reading
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, Reading
 
 
-def _proportional(p: Mapping[str, Array], reading: Reading) -> Array:
+def _proportional(p: Parameters, reading: Reading) -> Array:
     return np.asarray(p["excess"] * np.asarray(reading.displacement_m))
 
 

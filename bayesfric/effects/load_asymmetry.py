@@ -7,17 +7,16 @@ like an error of the force's gain, of the mass or of gravity, and shows only if 
 even half is the same as ``load-friction``.
 """
 
-from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import LADDER, Effect, EffectParameter, State
+from bayesfric.effects.base import LADDER, Effect, EffectParameter, Parameters, State
 
 
-def _one_way(load: str, sign: float, p: Mapping[str, Array], state: State) -> Array:
+def _one_way(load: str, sign: float, p: Parameters, state: State) -> Array:
     """Return k |ℓ| where the motor drives (sign 1), or where the load drives it back (−1)."""
     along = sign * np.asarray(getattr(state, load)) * np.asarray(state.direction)
     return np.asarray(p["share"] * np.maximum(along, 0.0))

@@ -11,20 +11,18 @@ Duclusaud, Passault, Padois and Ly, "Extended friction models for the physics si
 actuators", 2024 (arXiv:2410.08650), models M3 to M6.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import BY_LOAD, LADDER, Effect, EffectParameter, State
+from bayesfric.effects.base import BY_LOAD, LADDER, Effect, EffectParameter, Parameters, State
 
 
-def _with_inertia(p: Mapping[str, Array], state: State) -> Array:
+def _with_inertia(p: Parameters, state: State) -> Array:
     return np.asarray(p["share"] * np.abs(np.asarray(state.carried_n)))
 
 
-def _at_rest(p: Mapping[str, Array], state: State) -> Array:
+def _at_rest(p: Parameters, state: State) -> Array:
     return np.asarray(p["share"] * np.abs(np.asarray(state.held_n)))
 
 

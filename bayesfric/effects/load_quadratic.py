@@ -4,20 +4,18 @@ This is the last step of M6 of Duclusaud et al., in which the square also decays
 small range of loads it is the same as ``load-friction``. The two never act together.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import BY_LOAD, LADDER, Effect, EffectParameter, State
+from bayesfric.effects.base import BY_LOAD, LADDER, Effect, EffectParameter, Parameters, State
 
 
-def _square(p: Mapping[str, Array], state: State) -> Array:
+def _square(p: Parameters, state: State) -> Array:
     return np.asarray(p["rate"] * np.asarray(state.carried_n) ** 2)
 
 
-def _square_at_rest(p: Mapping[str, Array], state: State) -> Array:
+def _square_at_rest(p: Parameters, state: State) -> Array:
     return np.asarray(p["rate"] * np.asarray(state.held_n) ** 2)
 
 

@@ -5,29 +5,27 @@ This is M4 of Duclusaud et al. Half of the friction or less may remain at high s
 apart if all speeds are low. If the load is always the same, this effect is ``stribeck``.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import BY_LOAD, LADDER, Effect, EffectParameter, State
+from bayesfric.effects.base import BY_LOAD, LADDER, Effect, EffectParameter, Parameters, State
 
 
-def _exponential(p: Mapping[str, Array], state: State) -> Array:
+def _exponential(p: Parameters, state: State) -> Array:
     return np.asarray(p["share"] * np.abs(np.asarray(state.carried_n)) * _decay(p, state))
 
 
-def _at_rest(p: Mapping[str, Array], state: State) -> Array:
+def _at_rest(p: Parameters, state: State) -> Array:
     return np.asarray(p["share"] * np.abs(np.asarray(state.held_n)) * _decay(p, state))
 
 
-def _half_stays(p: Mapping[str, Array], state: State) -> Array:
+def _half_stays(p: Parameters, state: State) -> Array:
     left = 0.5 * (1 + _decay(p, state))
     return np.asarray(p["share"] * np.abs(np.asarray(state.carried_n)) * left)
 
 
-def _decay(p: Mapping[str, Array], state: State) -> Array:
+def _decay(p: Parameters, state: State) -> Array:
     return np.asarray(np.exp(-np.asarray(state.speed_m_s) / p["speed"]))
 
 

@@ -5,18 +5,16 @@ pattern is a sum of waves with one and two periods a revolution, with free phase
 these are all patterns except a constant; for more magnets they are the smooth patterns.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, Reading
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, Reading
 
 WAVES = (1, 2)  # periods a revolution
 
 
-def _waves(p: Mapping[str, Array], reading: Reading) -> Array:
+def _waves(p: Parameters, reading: Reading) -> Array:
     turn = 2 * np.pi * np.asarray(reading.event) / reading.magnets_per_revolution
     amplitude = p["error"] / np.sqrt(len(WAVES))
     return np.stack([amplitude * wave(k * turn) for k in WAVES for wave in (np.cos, np.sin)])

@@ -1,20 +1,18 @@
 """A mass on one side that differs from the recorded one."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _drive_side(p: Mapping[str, Array], state: State) -> Array:
+def _drive_side(p: Parameters, state: State) -> Array:
     pull = np.asarray(state.gravity_m_s2) - np.asarray(state.acceleration_m_s2)
     return np.asarray(-p["excess"] * pull * (1 - _felt(state)) * (not state.steady))
 
 
-def _load_side(p: Mapping[str, Array], state: State) -> Array:
+def _load_side(p: Parameters, state: State) -> Array:
     pull = np.asarray(state.gravity_m_s2) + np.asarray(state.acceleration_m_s2)
     return np.asarray(p["excess"] * pull * (1 + _felt(state)) * (not state.steady))
 

@@ -1,15 +1,13 @@
 """Additional mass in the runs that show the gap, beyond the mass of the baseline."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _carried(p: Mapping[str, Array], state: State) -> Array:
+def _carried(p: Parameters, state: State) -> Array:
     moved = np.asarray(state.acceleration_m_s2) * np.asarray(state.tested)
     return np.asarray(p["mass"] * moved)
 

@@ -1,15 +1,20 @@
 """Presliding: friction builds up over the first stretch of travel."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State, after_passes, exponentially
+from bayesfric.effects.base import (
+    Effect,
+    EffectParameter,
+    Parameters,
+    State,
+    after_passes,
+    exponentially,
+)
 
 
-def _rational(p: Mapping[str, Array], state: State) -> Array:
+def _rational(p: Parameters, state: State) -> Array:
     unsettled = 1 / (1 + np.asarray(state.travel_m) / p["length"])
     return -p["share"] * state.settling_friction_n * unsettled
 

@@ -1,17 +1,15 @@
 """Friction that is not proportional to the number of pulleys."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 MIDDLE_COUNT = 9.0
 
 
-def _power(p: Mapping[str, Array], state: State) -> Array:
+def _power(p: Parameters, state: State) -> Array:
     ratio = np.asarray(state.n_pulleys, dtype=np.float64) / MIDDLE_COUNT
     return state.friction_n * np.expm1(p["exponent"] * np.log(ratio))
 

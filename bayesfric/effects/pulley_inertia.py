@@ -1,21 +1,19 @@
 """Inertia of the pulleys: mass that moves with the cable."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 from bayesfric.effects.state import MEDIUM_RADIUS_M
 
 
-def _same(p: Mapping[str, Array], state: State) -> Array:
+def _same(p: Parameters, state: State) -> Array:
     per_pulley = p["mass"] * np.asarray(state.acceleration_m_s2) * (not state.steady)
     return np.asarray(per_pulley * np.asarray(state.n_pulleys))
 
 
-def _discs(p: Mapping[str, Array], state: State) -> Array:
+def _discs(p: Parameters, state: State) -> Array:
     # Discs of one thickness: the mass is ∝ radius², and half of it moves with the rim.
     return _same(p, state) * (np.asarray(state.radius_m) / MEDIUM_RADIUS_M) ** 2
 

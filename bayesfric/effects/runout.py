@@ -1,15 +1,13 @@
 """Runout: friction that varies once a revolution of the pulleys."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _once(p: Mapping[str, Array], state: State) -> Array:
+def _once(p: Parameters, state: State) -> Array:
     angle = np.asarray(state.travel_m) / np.asarray(state.radius_m)
     force = p["share"] * state.friction_n * (not state.steady)
     return np.stack([force * np.cos(angle), force * np.sin(angle)])

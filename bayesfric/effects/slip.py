@@ -1,23 +1,21 @@
 """Cable that slips: the two sensors disagree more and more."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, Reading
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, Reading
 from bayesfric.effects.state import STANDARD_GRAVITY_M_S2
 
 TYPICAL_FRICTION_N = 2.0  # of the board
 
 
-def _proportional(p: Mapping[str, Array], reading: Reading) -> Array:
+def _proportional(p: Parameters, reading: Reading) -> Array:
     at_load = np.asarray(reading.displacement_m) * np.asarray(reading.is_load)
     return np.asarray(p["share"] * at_load)
 
 
-def _creep(p: Mapping[str, Array], reading: Reading) -> Array:
+def _creep(p: Parameters, reading: Reading) -> Array:
     # The cable's strain changes over the pulleys by the step of tension, which is their friction.
     drive, load = np.asarray(reading.mass_drive_kg), np.asarray(reading.mass_load_kg)
     pull = (drive - load) * STANDARD_GRAVITY_M_S2

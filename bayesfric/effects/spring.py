@@ -1,15 +1,13 @@
 """A spring, a hose or a cable that pulls an axis back to one place."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _linear(p: Mapping[str, Array], state: State) -> Array:
+def _linear(p: Parameters, state: State) -> Array:
     stretch = np.asarray(state.position_m) - p["rest"]
     return np.asarray(p["stiffness"] * stretch * np.asarray(state.direction))
 

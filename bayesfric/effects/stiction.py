@@ -5,18 +5,16 @@ effect is confounded with ``stribeck`` if all starts are alike. Its sign is oppo
 ``presliding``, with which it is confounded too.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 RISES_IN_S = 1.0  # dwell after which the extra friction is half of its maximum
 
 
-def _after_dwell(p: Mapping[str, Array], state: State) -> Array:
+def _after_dwell(p: Parameters, state: State) -> Array:
     dwell = np.asarray(state.dwell_s)
     rise = p["rise"] * np.asarray(state.pulley_friction_n) * dwell / (dwell + RISES_IN_S)
     return np.asarray(rise * np.exp(-np.asarray(state.since_rest_m) / p["length"]))

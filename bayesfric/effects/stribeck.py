@@ -1,12 +1,10 @@
 """Stribeck friction: friction is higher at low speed, and the rise decays with speed."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 ARMSTRONG = (
     "argued from the survey of Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 "
@@ -14,11 +12,11 @@ ARMSTRONG = (
 )
 
 
-def _exponential(p: Mapping[str, Array], state: State) -> Array:
+def _exponential(p: Parameters, state: State) -> Array:
     return p["rise"] * state.friction_n * np.exp(-np.asarray(state.speed_m_s) / p["speed"])
 
 
-def _gaussian(p: Mapping[str, Array], state: State) -> Array:
+def _gaussian(p: Parameters, state: State) -> Array:
     ratio = np.asarray(state.speed_m_s) / p["speed"]
     return p["rise"] * state.friction_n * np.exp(-(ratio**2))
 

@@ -1,24 +1,22 @@
 """Friction that is not linear in tension."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 from bayesfric.effects.state import REFERENCE_TENSION_N
 
 MIDDLE_TENSION_N = 16.5  # of Table II's range
 SLACK = 1e-3  # share of that: a lower tension counts as a slack cable
 
 
-def _quadratic(p: Mapping[str, Array], state: State) -> Array:
+def _quadratic(p: Parameters, state: State) -> Array:
     beyond = np.asarray(state.tension_n) / MIDDLE_TENSION_N - 1
     return np.asarray(p["curvature"] * np.asarray(state.tension_friction_n) * beyond)
 
 
-def _apart_from_wrap(p: Mapping[str, Array], state: State) -> Array:
+def _apart_from_wrap(p: Parameters, state: State) -> Array:
     # n c1 T as at 85°, at any angle; c1 from the friction of one pulley at 15 N and 85°.
     whole = np.asarray(state.n_pulleys) * np.asarray(state.pulley_friction_n)
     slope = (whole - np.asarray(state.constant_friction_n)) / REFERENCE_TENSION_N
@@ -26,7 +24,7 @@ def _apart_from_wrap(p: Mapping[str, Array], state: State) -> Array:
     return np.asarray(p["curvature"] * slope * np.asarray(state.tension_n) * beyond)
 
 
-def _power(p: Mapping[str, Array], state: State) -> Array:
+def _power(p: Parameters, state: State) -> Array:
     # Far from a board's trials the law may make the cable slack, which has no power.
     ratio = np.maximum(np.asarray(state.tension_n) / MIDDLE_TENSION_N, SLACK)
     grown = np.expm1(p["curvature"] * np.log(ratio))

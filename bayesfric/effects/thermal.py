@@ -4,16 +4,14 @@ Grease thins as it warms. If the temperature only rises, this effect is confound
 ``wear-drift``. For friction points without a temperature the two are identical.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _warm(p: Mapping[str, Array], state: State) -> Array:
+def _warm(p: Parameters, state: State) -> Array:
     return np.asarray(p["change"] * state.friction_n * np.asarray(state.warmth))
 
 

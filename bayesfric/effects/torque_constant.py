@@ -1,21 +1,19 @@
 """A torque constant of the motor board's motor that is not the specified one."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 TYPICAL_CURRENT_A = 4.0  # load current
 
 
-def _scaled(p: Mapping[str, Array], state: State) -> Array:
+def _scaled(p: Parameters, state: State) -> Array:
     return np.asarray(state.load_current_a) * (1 / (1 + p["error"]) - 1)
 
 
-def _saturating(p: Mapping[str, Array], state: State) -> Array:
+def _saturating(p: Parameters, state: State) -> Array:
     # Iron saturates as the current grows, so the error grows with the current.
     current = np.asarray(state.load_current_a)
     error = p["error"] * np.abs(current) / TYPICAL_CURRENT_A

@@ -1,15 +1,13 @@
 """A drive that gives less than the command beyond a limit."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _beyond(p: Mapping[str, Array], state: State) -> Array:
+def _beyond(p: Parameters, state: State) -> Array:
     drive = np.asarray(state.drive_force_n)
     lost = np.sign(drive) * np.maximum(np.abs(drive) - p["limit"], 0.0)
     return np.asarray(p["share"] * lost * np.asarray(state.direction))

@@ -6,7 +6,6 @@ behind a stiffness s. Over this travel the missing force falls linearly from 2 C
 moves.
 """
 
-from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
@@ -16,6 +15,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects.base import (
     Effect,
     EffectParameter,
+    Parameters,
     State,
     load_law,
     sprung_by_own_shares,
@@ -31,7 +31,7 @@ def _late(heavy: float, length: Array, state: State) -> Array:
     return np.asarray(square * np.asarray(state.force_curvature_n_s2))
 
 
-def _wound_up(heavy: float, p: Mapping[str, Array], state: State) -> Array:
+def _wound_up(heavy: float, p: Parameters, state: State) -> Array:
     """Return the force of a load whose share of the mass is `heavy` times its friction share."""
     length = p["length"]
     _, caught = taken_along(state.travel_m, state.speed_m_s, length, SPREAD)
@@ -41,7 +41,7 @@ def _wound_up(heavy: float, p: Mapping[str, Array], state: State) -> Array:
     return np.asarray(p["share"] * (np.abs(state.direction) * taken - late))
 
 
-def _seen_at_load(p: Mapping[str, Array], state: State) -> Array:
+def _seen_at_load(p: Parameters, state: State) -> Array:
     # A sensor at the load does not see the wind-up. The motor, half of the mass, is ahead of it.
     return np.asarray(p["share"] * 0.5 * _late(0.5, p["length"], state))
 

@@ -1,30 +1,28 @@
 """Viscous friction: grows in proportion to speed, as lubricant in the bearings does."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 from bayesfric.effects.state import REFERENCE_TENSION_N
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 
 
-def _constant(p: Mapping[str, Array], state: State) -> Array:
+def _constant(p: Parameters, state: State) -> Array:
     scale = np.asarray(state.n_pulleys) * np.asarray(state.pulley_friction_n)
     return np.asarray(p["slope"] * np.asarray(state.speed_m_s) * scale)
 
 
-def _with_tension(p: Mapping[str, Array], state: State) -> Array:
+def _with_tension(p: Parameters, state: State) -> Array:
     return _constant(p, state) * (np.asarray(state.tension_n) / REFERENCE_TENSION_N)
 
 
-def _with_wrap(p: Mapping[str, Array], state: State) -> Array:
+def _with_wrap(p: Parameters, state: State) -> Array:
     return _constant(p, state) * (np.asarray(state.wrap_angle_deg) / REFERENCE_WRAP_ANGLE_DEG)
 
 
-def _with_friction(p: Mapping[str, Array], state: State) -> Array:
+def _with_friction(p: Parameters, state: State) -> Array:
     return np.asarray(p["slope"] * np.asarray(state.speed_m_s) * state.friction_n)
 
 

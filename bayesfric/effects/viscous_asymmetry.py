@@ -4,16 +4,14 @@ It is confounded with ``direction-asymmetry`` if the axis runs at one speed, and
 back-EMF differs between the directions.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 
-def _per_speed(p: Mapping[str, Array], state: State) -> Array:
+def _per_speed(p: Parameters, state: State) -> Array:
     along = np.asarray(state.speed_m_s) * np.asarray(state.direction)
     return np.asarray(p["slope"] * along * np.asarray(state.pulley_friction_n))
 

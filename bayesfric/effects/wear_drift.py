@@ -4,18 +4,16 @@ The change decays exponentially if surfaces settle, and grows exponentially if w
 Between the two it is linear in the order of trials.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, Parameters, State
 
 STRAIGHT = 1e-4  # a rate below this gives a straight line, to a relative error of 1e-5
 
 
-def _exponential(p: Mapping[str, Array], state: State) -> Array:
+def _exponential(p: Parameters, state: State) -> Array:
     """Return the change so far, less its mean over the recording."""
     order, rate = np.asarray(state.order), np.asarray(p["rate"], dtype=np.float64)
     straight = np.abs(rate) < STRAIGHT

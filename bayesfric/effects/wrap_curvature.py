@@ -1,16 +1,14 @@
 """Friction that is not linear in the wrap angle."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import WRAP_SPAN_DEG, Effect, EffectParameter, State
+from bayesfric.effects.base import WRAP_SPAN_DEG, Effect, EffectParameter, Parameters, State
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 
 
-def _quadratic(p: Mapping[str, Array], state: State) -> Array:
+def _quadratic(p: Parameters, state: State) -> Array:
     bend = ((np.asarray(state.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG) / WRAP_SPAN_DEG) ** 2
     return np.asarray(p["curvature"] * np.asarray(state.tension_friction_n) * bend)
 

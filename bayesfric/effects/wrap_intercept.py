@@ -1,16 +1,14 @@
 """An angle term that does not scale with tension: c2 changes with the wrap angle."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import WRAP_SPAN_DEG, Effect, EffectParameter, State
+from bayesfric.effects.base import WRAP_SPAN_DEG, Effect, EffectParameter, Parameters, State
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 
 
-def _linear(p: Mapping[str, Array], state: State) -> Array:
+def _linear(p: Parameters, state: State) -> Array:
     turn = (np.asarray(state.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG) / WRAP_SPAN_DEG
     scale = np.asarray(state.n_pulleys) * np.asarray(state.pulley_friction_n)
     return np.asarray(p["slope"] * scale * turn)

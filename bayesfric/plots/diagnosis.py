@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure, SubFigure
+from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import axis_words, plain
 from bayesfric.plots.live import Band, Chart, Cloud, Curve
-from bayesfric.plots.style import COLORS, NEUTRAL, SHADES, figure, halves, key, line_key
+from bayesfric.plots.style import COLORS, NEUTRAL, SHADES, figure, halves, key, line_key, name_rows
 from bayesfric.probabilities import stated
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Inclusion
@@ -68,18 +68,14 @@ def where_it_lies(
     shapes = [axis for axis in axes if axis.shape is not None][:SHAPES]
     shares = [axis for axis in axes if axis.share is not None][:BARS]
     with figure(height=max(46.0, 16.0 + 3.5 * len(shares))) as fig:
-        left: Figure | SubFigure | None = fig
-        right: Figure | SubFigure | None = None
-        if shapes:
-            left, right = halves(fig, 5, 6)
-        if left is not None:
-            _shares(left.subplots(), shares, unexplained)
-            keys = [
-                Patch(color=COLORS["blue"], label="dominates"),
-                Patch(color=COLORS["sky"], label="share"),
-                line_key("alone", **ALONE),
-            ]
-            key(left, keys, side="above", align="left", ncols=3, columnspacing=1.0)
+        left, right = halves(fig, 5, 6) if shapes else (fig, None)
+        _shares(left.subplots(), shares, unexplained)
+        keys = [
+            Patch(color=COLORS["blue"], label="dominates"),
+            Patch(color=COLORS["sky"], label="share"),
+            line_key("alone", **ALONE),
+        ]
+        key(left, keys, side="above", align="left", ncols=3, columnspacing=1.0)
         if right is not None:
             columns = min(2, len(shapes))
             rows = -(-len(shapes) // columns)
@@ -161,11 +157,9 @@ def _shares(panel: Axes, axes: Sequence[Axis], unexplained: Interval | None) -> 
             ends.append(alone.q50 + 0.015)
         panel.text(max(ends) + 0.02, row, f"{share.q50:.2f}", va="center", fontsize=7)
     panel.axvline(0.0, color=COLORS["black"], linewidth=0.8)
-    panel.set_yticks(range(len(rows)), [name for name, *_ in rows])
-    panel.set_ylim(max(len(rows), FEW_BARS) - 0.4, -0.6)
+    name_rows(panel, [name for name, *_ in rows], room=FEW_BARS)
     panel.set_xlim(0.0, 1.2)
     panel.set_xticks([0.0, 0.5, 1.0])
-    panel.grid(visible=False, axis="y")
     panel.set_xlabel("share of the systematic force (variance)")
 
 
@@ -245,15 +239,13 @@ def what_acts(effects: Sequence[Inclusion], practical_share: float) -> Figure:
         for mark in (0.1, 0.9):
             left.axvline(mark, color=NEUTRAL, linewidth=0.8, linestyle=":")
         right.axvline(100 * practical_share, color=COLORS["black"], linewidth=0.9, linestyle="--")
-        left.set_yticks(range(len(shown)), [plain(effect.effect) for effect in shown])
-        left.set_ylim(len(shown) - 0.4, -0.6)
+        name_rows(left, [plain(effect.effect) for effect in shown])
         left.set_xlim(0.0, 1.25)
         left.set_xticks([0.0, 0.5, 1.0])
         left.set_xlabel("probability that it acts")
         right.set_xlim(left=0.0)
         right.set_xlabel("strength [% of friction]")
-        for panel in (left, right):
-            panel.grid(visible=False, axis="y")
+        right.grid(visible=False, axis="y")
         return fig
 
 

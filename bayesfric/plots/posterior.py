@@ -68,7 +68,7 @@ def coefficients_relative_to_paper(
     sizes = [str(size) for size in table["pulley"].to_numpy()]
     styles = size_styles(sizes)
     refitted = refitted or {}
-    grey = SizeStyle(NEUTRAL, "o", "-")
+    grey = SizeStyle(NEUTRAL, "o")
     with figure(height=13.0 + 3.5 * table["ratio"].isel(level=0).size) as fig:
         axes = fig.subplots()
         labels, rows = [], []

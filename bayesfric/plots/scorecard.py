@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bayesfric.plots.labels import plain
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves, name_rows
 from bayesfric.schemas import ScorecardFile
 from bayesfric.schemas.scorecard import Confusion, Detected, ReliabilityBin, Target
 
@@ -71,11 +71,9 @@ def _promises(panel: Axes, targets: tuple[Target, ...]) -> None:
         panel.text(
             108, place, f"{rate.hits}/{rate.cases}", va="center", fontsize=6.5, clip_on=False
         )
-    panel.set_yticks(range(len(names)), names, fontsize=7)
-    panel.set_ylim(max(len(names), FEWEST) - 0.4, -0.6)
+    name_rows(panel, names, room=FEWEST, size=7)
     panel.set_xlim(-2.0, 102.0)
     panel.set_xlabel("rate [%]; shaded: promised")
-    panel.grid(visible=False, axis="y")
 
 
 def _reliability(panel: Axes, bins: tuple[ReliabilityBin, ...]) -> None:

@@ -1,13 +1,13 @@
 """How every figure looks: sizes, colours, markers, and SVG of repeatable bytes.
 
 No figure goes through pyplot, and no setting outlives the figure it was made for.
-Three sizes of pulley are told apart by colour, marker and line style together, so
+Three sizes of pulley are told apart by colour and marker together, so
 that they stay apart in grey and for the colour-blind.
 """
 
 import io
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -88,27 +88,26 @@ class SizeStyle:
 
     Parameters
     ----------
-    color, marker, linestyle : str
+    color, marker : str
         As matplotlib names them.
     """
 
     color: str
     marker: str
-    linestyle: str
 
 
 _SIZES = {
-    "small": SizeStyle(COLORS["blue"], "o", "-"),
-    "medium": SizeStyle(COLORS["vermilion"], "s", "--"),
-    "large": SizeStyle(COLORS["green"], "^", "-."),
+    "small": SizeStyle(COLORS["blue"], "o"),
+    "medium": SizeStyle(COLORS["vermilion"], "s"),
+    "large": SizeStyle(COLORS["green"], "^"),
 }
-# The numbers of colours, markers and line styles share no factor, so that 60 names differ.
+# The numbers of colours and markers share no factor, so that 60 names differ.
 _OTHER_COLORS = [COLORS[name] for name in ("purple", "orange", "sky", "blue", "vermilion")]
 _OTHER_MARKERS = ["D", "v", "P", "X", "<", ">", "h", "*", "p", "d", "8", "H"]
 
 
 def size_styles(names: Iterable[str]) -> dict[str, SizeStyle]:
-    """Give each pulley size of a recording its colour, marker and line style.
+    """Give each pulley size of a recording its colour and marker.
 
     Parameters
     ----------
@@ -128,7 +127,6 @@ def size_styles(names: Iterable[str]) -> dict[str, SizeStyle]:
         given[name] = SizeStyle(
             _OTHER_COLORS[place % len(_OTHER_COLORS)],
             _OTHER_MARKERS[place % len(_OTHER_MARKERS)],
-            (":", "-", "--", "-.")[place % 4],
         )
     return {name: given[name] for name in names}
 
@@ -205,6 +203,13 @@ def line_key(label: str, **look: Any) -> Artist:
 def area_key(label: str, alpha: float | None = None, color: Any = NEUTRAL) -> Artist:
     """Return a band or a bar of a key."""
     return Patch(color=color, alpha=alpha, linewidth=0, label=label)
+
+
+def name_rows(panel: Axes, names: Sequence[str], *, room: int = 0, size: float = 7.5) -> None:
+    """Write names beside rows that are counted from the top; there is room for so many at least."""
+    panel.set_yticks(range(len(names)), names, fontsize=size)
+    panel.set_ylim(max(len(names), room) - 0.4, -0.6)
+    panel.grid(visible=False, axis="y")
 
 
 def point_key(label: str, color: str, marker: str, line: LineStyle, size: float) -> Artist:

@@ -7,6 +7,7 @@ import numpy as np
 
 from bayesfric.blind.engines.design import TRAVEL_M, Bench, Trials
 from bayesfric.blind.engines.law import GRAVITY, RADII_M, Nature
+from bayesfric.blind.engines.measuring_forms import MAGNETS
 from bayesfric.blind.engines.motion import Board, Motion, friction_along, times_at
 from bayesfric.blind.engines.state import Array, BoardState, ImposedEffect, Passage
 
@@ -98,7 +99,7 @@ def motor_currents(
 
 
 def passages_of(
-    board: Board, motion: Motion, phases_m: Array, at_load: bool, magnets: int
+    board: Board, motion: Motion, phases_m: Array, at_load: bool
 ) -> tuple[Passage, Array]:
     """Return the magnets' passages at one sensor where nothing is amiss with it.
 
@@ -112,8 +113,6 @@ def passages_of(
         Travel from the release to the first magnet.
     at_load : bool
         Which sensor.
-    magnets : int
-        On its pulley.
 
     Returns
     -------
@@ -134,11 +133,6 @@ def passages_of(
         load_kg=board.load_kg,
         order=board.state.order,
         friction_n=law_friction(board),
-        magnets=magnets,
+        magnets=MAGNETS,
     )
     return passage, places
-
-
-def resting(board: Board) -> Board:
-    """Return the board without scatter."""
-    return replace(board, factor=np.ones_like(board.factor))

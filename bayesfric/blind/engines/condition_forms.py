@@ -33,7 +33,6 @@ def _of_tension(change: Callable[[float, Array], Array]) -> Any:
 TENSION_CURVATURE = Kind(
     "tension-curvature",
     "curvature",
-    "1",
     alike(
         _of_tension,
         ("quadratic", True, lambda a, r: a * (r - 1)),
@@ -73,7 +72,6 @@ def _bearing_load(angle_deg: Array) -> Array:
 WRAP_CURVATURE = Kind(
     "wrap-curvature",
     "curvature",
-    "1",
     alike(
         _of_wrap,
         ("quadratic", True, lambda angle: ((angle - 85) / 50) ** 2),
@@ -89,7 +87,6 @@ WRAP_CURVATURE = Kind(
 WRAP_INTERCEPT = Kind(
     "wrap-intercept",
     "slope",
-    "1",
     (
         Form("linear", True, scaled(lambda p, s: (s.wrap_angle_deg - 85) / 50)),
         Form(
@@ -108,7 +105,6 @@ WRAP_INTERCEPT = Kind(
 FIXED_DRAG = Kind(
     "fixed-drag",
     "drag",
-    "N",
     (
         Form("constant", True, lambda p, s, t: p["amplitude"] * np.ones_like(s.tension_n), "ends"),
         Form(  # two sensor pulleys, whose friction grows with tension a little
@@ -125,7 +121,6 @@ FIXED_DRAG = Kind(
 PULLEY_COUNT_CURVATURE = Kind(
     "pulley-count-curvature",
     "exponent",
-    "1",
     (
         Form(
             "power",
@@ -150,7 +145,6 @@ def _pulley_mass(name: str, own: bool, power: float) -> Form:
 PULLEY_INERTIA = Kind(
     "pulley-inertia",
     "mass",
-    "kg",
     (
         _pulley_mass("same", True, 0.0),
         _pulley_mass("discs", True, 2.0),
@@ -171,7 +165,6 @@ def _run_in(order: Array, share: float) -> Array:
 WEAR_DRIFT = Kind(
     "wear-drift",
     "change",
-    "1",
     (
         Form("linear", True, share(lambda p, s: s.order - 0.5)),
         Form("saturating", True, share(lambda p, s: _run_in(s.order, 0.2))),
@@ -195,7 +188,6 @@ WEAR_DRIFT = Kind(
 END_ASYMMETRY = Kind(
     "end-asymmetry",
     "difference",
-    "1",
     (
         Form("relative", True, share(lambda p, s: s.drive_end)),
         Form("constant", True, lambda p, s, t: p["amplitude"] * s.drive_end * s.constant_n + 0 * t),
@@ -210,7 +202,6 @@ END_ASYMMETRY = Kind(
 BED_IN = Kind(
     "bed-in",
     "excess",
-    "1",
     (
         Form(
             "exponential",

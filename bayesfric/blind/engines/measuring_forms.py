@@ -30,7 +30,6 @@ def _weight(s: BoardState, sign: float) -> Array:
 MASS_ERROR = Kind(
     "mass-error",
     "excess",
-    "kg",
     (
         Form("drive-side", True, _proportional(lambda p, s: -_weight(s, -1.0)), "drive"),
         Form("load-side", True, _proportional(lambda p, s: _weight(s, 1.0)), "load"),
@@ -59,7 +58,6 @@ _STIFFNESS = uniform(stiffness=(7000, 12000))
 CABLE_COMPLIANCE = Kind(
     "cable-compliance",
     "stretch",
-    "m",
     (
         Form("ringing", True, _ringing, "reading", _STIFFNESS),
         Form(
@@ -118,7 +116,6 @@ def _magnets(name: str, own: bool, draw_places: Callable[[Generator], Any]) -> F
 MAGNET_SPACING = Kind(
     "magnet-spacing",
     "error",
-    "m",
     (
         _magnets("any-places", True, lambda rng: rng.standard_normal(MAGNETS)),
         _magnets("one-magnet", False, lambda rng: np.eye(MAGNETS)[rng.integers(MAGNETS)]),
@@ -135,7 +132,6 @@ MAGNET_SPACING = Kind(
 LENGTH_SCALE = Kind(
     "length-scale",
     "excess",
-    "1",
     (Form("proportional", True, _proportional(lambda p, at: at.displacement_m), "reading"),),
     ("acceleration",),
     signed=True,
@@ -145,7 +141,6 @@ LENGTH_SCALE = Kind(
 CLOCK_SCALE = Kind(
     "clock-scale",
     "excess",
-    "1",
     (
         Form(
             "proportional",
@@ -168,7 +163,6 @@ CLOCK_SCALE = Kind(
 SLIP = Kind(
     "slip",
     "share",
-    "1",
     (
         Form(
             "proportional",
@@ -200,7 +194,6 @@ SLIP = Kind(
 TORQUE_CONSTANT = Kind(
     "torque-constant",
     "error",
-    "1",
     (
         Form(
             "scaled",
@@ -224,7 +217,6 @@ TORQUE_CONSTANT = Kind(
 CURRENT_OFFSET = Kind(
     "current-offset",
     "offset",
-    "A",
     (
         Form("constant", True, lambda p, s, current: p["amplitude"] + 0.0 * current, "current"),
         Form(

@@ -39,7 +39,7 @@ class Mechanism:
 
     Parameters
     ----------
-    name, amplitude, unit : str
+    name, amplitude : str
         Of the effect and of its number.
     per_trial : callable
         (trials, law's slope times tension [N], its constant [N], scale [N]) to what an amplitude
@@ -54,7 +54,6 @@ class Mechanism:
 
     name: str
     amplitude: str
-    unit: str
     per_trial: Callable[[Trials, Array, Array, Array], Array]
     part: str
     axes: tuple[str, ...]
@@ -74,18 +73,16 @@ MECHANISMS = (
     Mechanism(
         "viscous",
         "slope",
-        "s/m",
         lambda t, slope, rest, scale: t.n_pulleys * scale,
         "damping",
         ("velocity",),
     ),
-    Mechanism("pulley-inertia", "mass", "kg", _each_pulley, "armature_kg", ("acceleration",)),
-    Mechanism("air-drag", "coefficient", "N s²/m²", _ones, "drag", ("velocity",)),
-    Mechanism("fixed-drag", "drag", "N", _ones, "applied_n", ("n_pulleys",), scatters=True),
+    Mechanism("pulley-inertia", "mass", _each_pulley, "armature_kg", ("acceleration",)),
+    Mechanism("air-drag", "coefficient", _ones, "drag", ("velocity",)),
+    Mechanism("fixed-drag", "drag", _ones, "applied_n", ("n_pulleys",), scatters=True),
     Mechanism(
         "tension-curvature",
         "curvature",
-        "1",
         lambda t, slope, rest, scale: slope * (_static(t) / MIDDLE_N - 1),
         "applied_n",
         ("tension",),
@@ -94,7 +91,6 @@ MECHANISMS = (
     Mechanism(
         "wrap-curvature",
         "curvature",
-        "1",
         lambda t, slope, rest, scale: slope * ((t.wrap_angle_deg - 85.0) / 50.0) ** 2,
         "applied_n",
         ("wrap_angle",),
@@ -103,7 +99,6 @@ MECHANISMS = (
     Mechanism(
         "pulley-count-curvature",
         "exponent",
-        "1",
         lambda t, slope, rest, scale: (slope + rest) * np.log(t.n_pulleys / 9.0),
         "applied_n",
         ("n_pulleys",),
@@ -112,7 +107,6 @@ MECHANISMS = (
     Mechanism(
         "wear-drift",
         "change",
-        "1",
         lambda t, slope, rest, scale: (slope + rest) * np.linspace(-0.5, 0.5, len(t)),
         "applied_n",
         ("order",),
@@ -120,16 +114,9 @@ MECHANISMS = (
     ),
 )
 OUTSIDERS = (
-    Mechanism("cable-spring", "stiffness", "N/m", _ones, "stiffness", ("displacement",), own=False),
+    Mechanism("cable-spring", "stiffness", _ones, "stiffness", ("displacement",), own=False),
 )
 BY_NAME = {mechanism.name: mechanism for mechanism in (*MECHANISMS, *OUTSIDERS)}
-
-
-@dataclass(frozen=True)
-class Form:
-    """What the campaign asks of a form."""
-
-    own: bool
 
 
 def effect_names() -> tuple[str, ...]:
@@ -137,9 +124,9 @@ def effect_names() -> tuple[str, ...]:
     return tuple(mechanism.name for mechanism in MECHANISMS)
 
 
-def forms(name: str) -> tuple[Form, ...]:
+def forms(name: str) -> tuple[Mechanism, ...]:
     """Return the forms of an effect: the one that the simulator has."""
-    return (Form(BY_NAME[name].own),)
+    return (BY_NAME[name],)
 
 
 def outsider_names() -> tuple[str, ...]:

@@ -33,7 +33,7 @@ def _kind(
     boards: tuple[str, ...] = ("gravity", "motor"),
 ) -> Kind:
     form = Form(name, False, law, draw=draw, affine=affine)
-    return Kind(name, "amplitude", "1", (form,), axes, signed, needs, boards)
+    return Kind(name, "amplitude", (form,), axes, signed, needs, boards)
 
 
 def _bump(values: Array, middle: float, width: float) -> Array:

@@ -77,7 +77,7 @@ def event_trains(
     """
     trains = []
     for at_load, phases in sorted(phases_m.items()):
-        at, places = passages_of(board, motion, phases, at_load, MAGNETS)
+        at, places = passages_of(board, motion, phases, at_load)
         for effect in effects:
             if effect.form.acts == "reading":
                 places = places + np.nan_to_num(effect(at))

@@ -153,8 +153,6 @@ class Kind:
         Of an effect, or of an outsider.
     amplitude : str
         Name of the parameter that is 0 where the effect is absent.
-    unit : str
-        Of the amplitude.
     forms : tuple of Form
         An own one first, where there is one.
     axes : tuple of str
@@ -169,7 +167,6 @@ class Kind:
 
     name: str
     amplitude: str
-    unit: str
     forms: tuple[Form, ...]
     axes: tuple[str, ...]
     signed: bool = False

@@ -21,7 +21,6 @@ from bayesfric.blind.engines.boards import (
     passages_of,
     run_friction,
 )
-from bayesfric.blind.engines.measuring_forms import MAGNETS
 from bayesfric.blind.engines.motion import Board, Motion, friction_along
 from bayesfric.blind.engines.state import Array, BoardState, ImposedEffect, Passage
 
@@ -75,7 +74,7 @@ class CleanDesign:
             )
         along = replace(board.state, travel_m=x, speed_m_s=v, acceleration_m_s2=a)
         passages = [
-            passages_of(board, motion, phase, at_load, MAGNETS)[0]
+            passages_of(board, motion, phase, at_load)[0]
             for at_load, phase in sorted(phases_m.items())
         ]
         instants = [replace(at, time_s=dense) for at in passages]

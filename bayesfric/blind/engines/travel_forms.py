@@ -24,7 +24,6 @@ from bayesfric.blind.engines.state import Array, BoardState, Form, Kind
 VISCOUS = Kind(
     "viscous",
     "slope",
-    "s/m",
     (
         Form("constant", True, scaled(lambda p, s: s.speed_m_s)),
         Form("with-tension", True, with_tension(lambda p, s: s.speed_m_s)),
@@ -50,7 +49,6 @@ VISCOUS = Kind(
 AIR_DRAG = Kind(
     "air-drag",
     "coefficient",
-    "N s²/m²",
     (
         Form("quadratic", True, lambda p, s, t: p["amplitude"] * s.speed_m_s**2, "air"),
         Form(
@@ -74,7 +72,6 @@ AIR_DRAG = Kind(
 STRIBECK = Kind(
     "stribeck",
     "rise",
-    "1",
     alike(
         lambda fallen: share(lambda p, s: fallen(s.speed_m_s / p["speed"])),
         ("exponential", True, lambda v: np.exp(-v)),
@@ -98,7 +95,6 @@ def _building_up(missing: Callable[[Array], Array]) -> Any:
 PRESLIDING = Kind(
     "presliding",
     "share",
-    "1",
     alike(
         _building_up,
         ("exponential", True, lambda x: np.exp(-x)),
@@ -114,7 +110,6 @@ PRESLIDING = Kind(
 HYSTERESIS = Kind(
     "hysteresis",
     "share",
-    "1",
     alike(
         _building_up,
         ("dahl", True, lambda x: np.exp(-x)),
@@ -140,7 +135,6 @@ def _heavy_cable(p: Parameters, s: BoardState, middle: float, length: float) -> 
 CABLE_WEIGHT = Kind(
     "cable-weight",
     "density",
-    "kg/m",
     (
         Form("passing", True, lambda p, s, t: _heavy_cable(p, s, 0.6, 0.0), "drive"),
         Form(
@@ -174,7 +168,6 @@ def _turning(p: Parameters, s: BoardState, ratio: float = 1.0, phase: str = "pha
 RUNOUT = Kind(
     "runout",
     "share",
-    "1",
     (
         Form(
             "once",

@@ -22,6 +22,7 @@ from bayesfric.arrays import Array
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.physics.gravity import Condition, nominal_tension
 from bayesfric.recording.tables import Gravity, RigConstants
+from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 
 LEAST_TENSION_RATIO = 1.1  # required ratio of the largest to the least tension of a line
 LEAST_ANGLE_SPAN_DEG = 5.0  # required range of wrap angles of a line
@@ -111,13 +112,7 @@ def trial_frictions(gravity: Gravity, rig: RigConstants) -> tuple[TrialFriction,
     events = {str(trial): rows for trial, rows in gravity.events.groupby("trial", sort=False)}
     frictions = []
     for row in gravity.trials.to_dict("records"):
-        condition = Condition(
-            row["n_pulleys"],
-            row["wrap_angle_deg"],
-            row["mass_drive_kg"],
-            row["mass_load_kg"],
-            rig.gravity_m_s2,
-        )
+        condition = trial_condition(row, rig)
         mass, drive = float(condition.total_mass_kg), float(condition.drive_force_n)
         own = events.get(row["trial"])
         friction = r_squared = reason = None
@@ -306,11 +301,16 @@ def _wrap_slope(cells: list[CellLine]) -> Slope:
     return _line(angles, slopes)[0]
 
 
+def least_squares_lines(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return slopes and intercepts of least-squares lines over the last axis."""
+    apart = x - x.mean(axis=-1, keepdims=True)
+    slope = (apart * y).sum(axis=-1) / (apart**2).sum(axis=-1)
+    return slope, y.mean(axis=-1) - slope * x.mean(axis=-1)
+
+
 def _line(x: Array, y: Array) -> tuple[Slope, float]:
     """Return slope and intercept of the least-squares line."""
-    centred = x - x.mean()
-    slope = float(centred @ y / (centred @ centred))
-    intercept = float(y.mean() - slope * x.mean())
+    slope, intercept = map(float, least_squares_lines(x, y))
     return Slope(slope, _r_squared(y, slope * x + intercept, fitted=2)), intercept
 
 

@@ -6,14 +6,14 @@ import xarray as xr
 
 from bayesfric.arrays import Array
 from bayesfric.physics.friction import Coefficients, coulomb_friction
-from bayesfric.physics.gravity import Condition, Trajectory, nominal_tension
+from bayesfric.physics.gravity import Trajectory, nominal_tension
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.bands import bands
 from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
-from bayesfric.rigs.gravity_board.trial_motion import PilotFit, pilot_fits
+from bayesfric.rigs.gravity_board.trial_motion import PilotFit, pilot_fits, trial_condition
 from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.truth import table1_coefficients
 from bayesfric.schemas.base import QUANTILES
@@ -98,36 +98,9 @@ def trajectories(
         )
         for fitted in chosen
     ]
-    longest = max(len(time) for _, time, _, _ in predicted)
-
-    def padded(values: Array) -> Array:
-        width = [(0, longest - len(values))] + [(0, 0)] * (values.ndim - 1)
-        return np.pad(values, width, constant_values=np.nan)
-
-    return xr.Dataset(
-        {
-            "time_s": (("shown", "event"), np.stack([padded(t) for _, t, _, _ in predicted])),
-            "travel_m": (("shown", "event"), np.stack([padded(x) for _, _, x, _ in predicted])),
-            "predicted_m": (
-                ("shown", "event", "quantile"),
-                np.stack([padded(p) for _, _, _, p in predicted]),
-            ),
-            **{
-                name: ("shown", np.array([row[name] for row, _, _, _ in predicted]))
-                for name in (
-                    "pulley_size",
-                    "n_pulleys",
-                    "wrap_angle_deg",
-                    "mass_drive_kg",
-                    "mass_load_kg",
-                )
-            },
-        },
-        coords={
-            "shown": [row["trial"] for row, _, _, _ in predicted],
-            "quantile": list(QUANTILES),
-        },
-    )
+    # Trials with fewer events are padded with NaN.
+    table = xr.concat(predicted, "shown", data_vars="all", join="outer")
+    return table.drop_vars("event").assign_coords(quantile=list(QUANTILES))
 
 
 def _predicted_trial(
@@ -140,7 +113,7 @@ def _predicted_trial(
     named: dict[str, Array],
     factor: Array,
     baseline: FrictionLaw,
-) -> tuple[pd.Series, Array, Array, Array]:
+) -> xr.Dataset:
     """Return a trial, times and displacements of one sensor's events, and predictions of these.
 
     `fitted` is the trial's index in the pilot fit, and `place` its index in the model.
@@ -152,18 +125,21 @@ def _predicted_trial(
     events, since_first = events[of_sensor], since_first[of_sensor]
     time = since_first - since_first[0]
     start_speed = pilot.first_speed[fitted] + pilot.acceleration[fitted] * since_first[0]
-    condition = Condition(
-        row["n_pulleys"],
-        row["wrap_angle_deg"],
-        row["mass_drive_kg"],
-        row["mass_load_kg"],
-        rig.gravity_m_s2,
-    )
+    condition = trial_condition(row, rig)
     law = Coefficients(*(named[f"{c}[{row['pulley_size']}]"] for c in Coefficients._fields))
     friction = factor[:, place] * baseline.gravity(law, condition)
     acceleration = (condition.drive_force_n - friction) / condition.total_mass_kg
     motion = Trajectory(acceleration[:, None], start_speed)
-    return row, time, events["displacement_m"].to_numpy(), bands(motion.position(time))
+    columns = ("pulley_size", "n_pulleys", "wrap_angle_deg", "mass_drive_kg", "mass_load_kg")
+    return xr.Dataset(
+        {
+            "time_s": ("event", time),
+            "travel_m": ("event", events["displacement_m"].to_numpy()),
+            "predicted_m": (("event", "quantile"), bands(motion.position(time))),
+            **{name: row[name] for name in columns},
+        },
+        coords={"shown": row["trial"], "event": np.arange(time.size)},
+    )
 
 
 def _slow_and_fast(trials: pd.DataFrame, acceleration: Array) -> list[int]:

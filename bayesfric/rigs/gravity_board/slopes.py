@@ -24,6 +24,7 @@ from bayesfric.rigs.gravity_board.estimator import (
     PaperEstimate,
     SizeEstimate,
     is_upright,
+    least_squares_lines,
 )
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
 from bayesfric.schemas.base import QUANTILES
@@ -126,16 +127,9 @@ def _again(
         & (table["n_pulleys"] == line.n_pulleys)
         & (table["wrap_angle_deg"] == line.wrap_angle_deg)
     )
-    slope, intercept = _lines(tension[:, chosen], friction[:, chosen])
+    slope, intercept = least_squares_lines(tension[:, chosen], friction[:, chosen])
     ends = (float(measured[chosen].min()), float(measured[chosen].max()))
     return _Cell(size.pulley_size, line, ends, slope, intercept)
-
-
-def _lines(x: Array, y: Array) -> tuple[Array, Array]:
-    """Return slopes and intercepts of least-squares lines over the last axis."""
-    apart = x - x.mean(axis=-1, keepdims=True)
-    slope = (apart * y).sum(axis=-1) / (apart**2).sum(axis=-1)
-    return slope, y.mean(axis=-1) - slope * x.mean(axis=-1)
 
 
 def _draws(named: dict[str, Array], size: str) -> Coefficients:
@@ -223,8 +217,8 @@ def _wrap_lines(
         friction[place, filled] = [cell.friction(level) for cell in group]
         new = np.stack([cell.friction_again(level) for cell in group], axis=1)
         again[place, filled] = bands(new)
-        slope[place] = _lines(angle[place, filled], friction[place, filled])[0]
-        slope_again[place] = bands(_lines(angle[place, filled], new)[0])
+        slope[place] = least_squares_lines(angle[place, filled], friction[place, filled])[0]
+        slope_again[place] = bands(least_squares_lines(angle[place, filled], new)[0])
         law[place] = bands(baseline.at_tension(_draws(named, size), n, grid, level))
     table = xr.Dataset(
         {

@@ -4,8 +4,9 @@ A trial's motion since its first event is x(t) = v0 τ + a τ²/2. Displacements
 each sensor. They are linear in these four coefficients.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,15 +18,13 @@ from bayesfric.recording.tables import RigConstants
 NUISANCES = 3  # offsets of the two sensors and first speed
 
 
-def trial_condition(trials: pd.DataFrame, rig: RigConstants) -> Condition:
-    """Return the conditions of N trials, arrays of shape (N,)."""
-    return Condition(
-        trials["n_pulleys"].to_numpy(dtype=np.float64),
-        trials["wrap_angle_deg"].to_numpy(dtype=np.float64),
-        trials["mass_drive_kg"].to_numpy(dtype=np.float64),
-        trials["mass_load_kg"].to_numpy(dtype=np.float64),
-        rig.gravity_m_s2,
-    )
+def trial_condition(
+    trials: pd.DataFrame | pd.Series | Mapping[str, Any], rig: RigConstants
+) -> Condition:
+    """Return the conditions of N trials, arrays of shape (N,), or those of one trial."""
+    columns = ("n_pulleys", "wrap_angle_deg", "mass_drive_kg", "mass_load_kg")
+    parts = (np.asarray(trials[name], dtype=np.float64) for name in columns)
+    return Condition(*parts, rig.gravity_m_s2)
 
 
 @dataclass(frozen=True)
