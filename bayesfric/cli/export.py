@@ -119,8 +119,7 @@ def _export_joints(
 ) -> None:
     """Write the numbers of joints, into a model where one is given."""
     from bayesfric.export.into import filled_model
-    from bayesfric.export.of_joints import TEXTS_OF_JOINTS
-    from bayesfric.export.snippets import LOAD_FRICTION_FILE, load_friction_text
+    from bayesfric.export.of_joints import LOAD_FRICTION_FILE, TEXTS_OF_JOINTS, load_friction_text
 
     joints = _joints(folder, diagnosis)
     for warning in (joint.warning for joint in joints if joint.warning is not None):

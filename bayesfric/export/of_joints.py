@@ -1,4 +1,4 @@
-"""Numbers of joints as files of their own: JSON, Python, an actuator configuration, a table."""
+"""Numbers of joints as files of their own: JSON, Python, actuators, a table, and callbacks."""
 
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -178,3 +178,56 @@ def _text(joint: ExportedJoint, name: str) -> str | None:
         return None
     value = joint.numbers[name].value
     return by_error(max(rounded(value.mean, value.sd), 0.0), value.sd)
+
+
+SHARE = "load-friction.share"
+LOAD_FRICTION_FILE = "load_friction.py"
+LOAD_FRICTION = '''"""Friction that grows with load, for MuJoCo: share times what a gear carries.
+
+Call `install(model)` once after loading the model; `mujoco.set_mjcb_passive(None)` takes it off.
+What a gear carries is the torque that the links ask for: weight, Coriolis and acceleration of the
+last step, without the armature, which is on the motor's side.
+"""
+
+import mujoco
+import numpy as np
+
+SHARES = {shares}
+STILL = 0.01  # rad/s or m/s, below which the friction goes to zero smoothly
+
+
+def install(model):
+    """Add the friction of all joints in SHARES to the passive forces of a model."""
+    joints = {{name: model.joint(name) for name in SHARES}}
+    dofs = np.array([int(joint.dofadr[0]) for joint in joints.values()])
+    share = np.array([SHARES[name] for name in joints])
+    carried = np.zeros(model.nv)
+
+    def passive(model, data):
+        mujoco.mj_rne(model, data, 1, carried)
+        friction = share * np.abs(carried[dofs])
+        data.qfrc_passive[dofs] -= friction * np.tanh(data.qvel[dofs] / STILL)
+
+    mujoco.set_mjcb_passive(passive)
+'''
+
+
+def load_friction_text(joints: Mapping[str, ExportedJoint]) -> str | None:
+    """Return the file of the callback; None if no joint has friction that grows with load.
+
+    Parameters
+    ----------
+    joints : mapping of str to ExportedJoint
+        Joints by name in the model.
+    """
+    shares = {
+        place: joint.numbers[SHARE].value
+        for place, joint in joints.items()
+        if SHARE in joint.numbers
+    }
+    if not shares:
+        return None
+    lines = ", ".join(
+        f"{name!r}: {by_error(value.mean, value.sd)}" for name, value in shares.items()
+    )
+    return LOAD_FRICTION.format(shares=f"{{{lines}}}")

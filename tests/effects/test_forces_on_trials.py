@@ -11,7 +11,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition
 from bayesfric.recording.tables import Pulley
 from bayesfric.rigs.acting import PhasedEffect, surroundings
-from bayesfric.rigs.gravity_board.effects_on_trials import trial_motion
+from bayesfric.rigs.gravity_board.simulator import trial_motion
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients

@@ -8,7 +8,7 @@ from bayesfric.effects import Reading, all_effects
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, trajectory
 from bayesfric.rigs.acting import PhasedEffect
-from bayesfric.rigs.gravity_board.effects_on_trials import passing_times, trial_motion
+from bayesfric.rigs.gravity_board.simulator import passing_times, trial_motion
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect
 from bayesfric.simulate import Truth, simulate_recording

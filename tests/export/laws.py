@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from bayesfric.export.numbers import Number
-from bayesfric.export.stored_law import StoredLaw
+from bayesfric.export.stored_law import Number, StoredLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.schemas.base import Interval
 

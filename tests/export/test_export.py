@@ -17,7 +17,7 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.cli import app
 from bayesfric.export import FORMATS, export_text, read_law
 from bayesfric.export.joint_friction import joint_friction
-from bayesfric.export.numbers import law_said, numbers_of
+from bayesfric.export.stored_law import law_said, numbers_of
 from bayesfric.resources import reference_folder
 from bayesfric.results import read_json
 from bayesfric.schemas import DiagnosisFile, FitFile

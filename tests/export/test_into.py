@@ -17,11 +17,9 @@ from typer.testing import CliRunner
 
 import bayesfric as bf
 from bayesfric.cli import app
-from bayesfric.export.into import filled_model
+from bayesfric.export.into import filled_model, own_numbers
 from bayesfric.export.joints import ExportedJoint, joints_of
-from bayesfric.export.of_joints import TEXTS_OF_JOINTS, draws_table
-from bayesfric.export.own_numbers import own_numbers
-from bayesfric.export.snippets import load_friction_text
+from bayesfric.export.of_joints import TEXTS_OF_JOINTS, draws_table, load_friction_text
 from bayesfric.robots.setting import model_text
 
 mujoco = pytest.importorskip("mujoco")

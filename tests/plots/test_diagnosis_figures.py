@@ -14,8 +14,7 @@ from report.diagnosis_sample import (
     without_gap,
 )
 
-from bayesfric.plots.diagnosis import what_acts, where_it_lies
-from bayesfric.plots.gap import how_far
+from bayesfric.plots.diagnosis import how_far, what_acts, where_it_lies
 from bayesfric.plots.labels import sizes_of
 from bayesfric.plots.style import to_svg
 

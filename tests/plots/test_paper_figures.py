@@ -7,9 +7,8 @@ from matplotlib.collections import LineCollection
 
 from bayesfric.plots.densities import prior_and_posterior
 from bayesfric.plots.residuals_by_order import residuals_by_order
-from bayesfric.plots.slopes import line_against_pulleys, wrap_slopes
+from bayesfric.plots.slopes import friction_against_wrap, line_against_pulleys, wrap_slopes
 from bayesfric.plots.style import COLORS, to_svg
-from bayesfric.plots.wrap import friction_against_wrap
 
 
 def points(axes):

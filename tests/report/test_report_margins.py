@@ -10,9 +10,9 @@ from report.told import told
 
 from bayesfric.errors import InputError
 from bayesfric.notebook.results import MarginsResult
-from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.margins import (
     bode_bands,
+    errors_over_time,
     hunting_over_speed,
     limit_cycle_against_gain,
     nyquist_fan,

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from bayesfric.rigs.gravity_board import double_integral
-from bayesfric.rigs.gravity_board.double_integral import POINTS, DoubleIntegral
+from bayesfric.rigs.gravity_board import paths
+from bayesfric.rigs.gravity_board.paths import POINTS, DoubleIntegral
 
 STEP_S = np.array([0.01, 0.02, 0.015])  # of the grids of three trials
 ROWS = (4, 1, 6)
@@ -10,7 +10,7 @@ ROWS = (4, 1, 6)
 
 @pytest.mark.parametrize("rows_at_once", [1, 5, 4096])
 def test_accelerations_along_the_paths_of_trials_are_integrated_twice(monkeypatch, rows_at_once):
-    monkeypatch.setattr(double_integral, "ROWS_AT_ONCE", rows_at_once)
+    monkeypatch.setattr(paths, "ROWS_AT_ONCE", rows_at_once)
     trial = np.repeat(np.arange(3), ROWS)
     rng = np.random.default_rng(3)
     place = rng.uniform(0, POINTS - 1, trial.size)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bayesfric.rigs.single_axis.even_log import even_grid
-from bayesfric.rigs.single_axis.force_curvature import force_curvature
+from bayesfric.rigs.single_axis.force_rates import force_curvature
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
 
 INTERVAL, HALF, COUNT = 0.01, 10, 3000

@@ -6,7 +6,7 @@ import scipy
 
 from bayesfric.rigs.single_axis.answered import without_answers
 from bayesfric.rigs.single_axis.even_log import even_grid, local_polynomial
-from bayesfric.rigs.single_axis.late_rates import late_rates
+from bayesfric.rigs.single_axis.force_rates import late_rates
 from bayesfric.rigs.single_axis.readings import readings_of
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
 

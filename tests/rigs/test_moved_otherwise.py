@@ -9,7 +9,7 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.limit import Limit
 from bayesfric.rigs.single_axis.measures import measures_of
-from bayesfric.rigs.single_axis.moved_otherwise import (
+from bayesfric.rigs.single_axis.mistakes import (
     BACKWARDS,
     BY_HAND,
     RELAY,

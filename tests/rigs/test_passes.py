@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bayesfric.effects import State, all_effects
-from bayesfric.rigs.single_axis.passes import REMEMBERED, passes_of, rests_of
+from bayesfric.rigs.single_axis.run_rows import REMEMBERED, passes_of, rests_of
 
 pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 LENGTH = 0.01

@@ -13,11 +13,10 @@ from bayesfric.rigs.single_axis.even_log import (
     position_noise,
     smooth_motion,
 )
-from bayesfric.rigs.single_axis.force_curvature import _beside
-from bayesfric.rigs.single_axis.passes import passes_of
+from bayesfric.rigs.single_axis.force_rates import _beside
 from bayesfric.rigs.single_axis.readings import PIECE, readings_of
 from bayesfric.rigs.single_axis.rough import rough_law
-from bayesfric.rigs.single_axis.run_rows import _relative_variance
+from bayesfric.rigs.single_axis.run_rows import _relative_variance, passes_of
 from bayesfric.rigs.single_axis.weak_form import node_weights
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
 

@@ -8,8 +8,7 @@ of the HTML page.
 from collections.abc import Iterator
 from functools import partial
 
-from bayesfric.plots.diagnosis import RARE, axis_charts, what_acts, where_it_lies
-from bayesfric.plots.gap import how_far
+from bayesfric.plots.diagnosis import RARE, axis_charts, how_far, what_acts, where_it_lies
 from bayesfric.plots.labels import axis_words, sizes_of
 from bayesfric.plots.style import svg_of
 from bayesfric.probabilities import ALL_BUT, WIDE

@@ -8,7 +8,7 @@ from bayesfric.margins.terms import (
     in_degrees_or_decibels,
     tuning_sentence,
 )
-from bayesfric.plots.following import errors_over_time
+from bayesfric.plots.margins import errors_over_time
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.gain import (
     ASSUMED,

@@ -2,8 +2,12 @@
 
 from collections.abc import Iterator
 
-from bayesfric.plots.assemblies import assemblies_left_out, has_assemblies
-from bayesfric.plots.loo_pit import has_probabilities, leave_one_out_probabilities
+from bayesfric.plots.assemblies import (
+    assemblies_left_out,
+    has_assemblies,
+    has_probabilities,
+    leave_one_out_probabilities,
+)
 from bayesfric.plots.style import svg_of
 from bayesfric.report.content import (
     Block,

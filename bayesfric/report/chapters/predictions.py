@@ -6,12 +6,11 @@ from functools import partial
 from math import isnan
 
 from bayesfric.plots.rig_tables import RigTable, rig_tables
-from bayesfric.plots.slopes import line_against_pulleys, wrap_slopes
+from bayesfric.plots.slopes import friction_against_wrap, line_against_pulleys, wrap_slopes
 from bayesfric.plots.speed import friction_against_speed, has_speeds
 from bayesfric.plots.style import svg_of
 from bayesfric.plots.tension import friction_against_tension, tension_charts
 from bayesfric.plots.trajectories import measured_and_predicted
-from bayesfric.plots.wrap import friction_against_wrap
 from bayesfric.report.content import (
     Block,
     Emphasis,

@@ -29,9 +29,8 @@ from bayesfric.observation.exact import ExactModel, Shown
 from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.gravity_board.along import EffectsAlong
 from bayesfric.rigs.gravity_board.at_rest import TrialsAtRest
-from bayesfric.rigs.gravity_board.forces import Forces, SteadyForces
+from bayesfric.rigs.gravity_board.forces import EffectsAlong, Forces, SteadyForces
 from bayesfric.rigs.gravity_board.hall_events import Motions, TrialForm
 from bayesfric.rigs.gravity_board.measurements import (
     TrialMeasurements,

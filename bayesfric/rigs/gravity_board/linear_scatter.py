@@ -9,7 +9,7 @@ from bayesfric.arrays import Array
 from bayesfric.inference.cosines import cosine_variances, log_variance_slopes
 from bayesfric.inference.priors import log_density
 from bayesfric.observation.linear import NoiseParameter, noise_parameter
-from bayesfric.rigs.gravity_board.event_rows import ROUGH_SD
+from bayesfric.rigs.gravity_board.event_columns import ROUGH_SD
 
 WAVES = 20  # cosines along the travel; half a wave of the last one is 3 cm for a travel of 0.6 m
 # Places of the random columns: deviation of all friction and of the intercept, cosines of the

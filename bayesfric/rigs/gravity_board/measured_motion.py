@@ -12,8 +12,7 @@ import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.gravity_board.double_integral import POINTS
-from bayesfric.rigs.gravity_board.paths import LEAST_SPEED_SHARE, Paths, trial_paths
+from bayesfric.rigs.gravity_board.paths import LEAST_SPEED_SHARE, POINTS, Paths, trial_paths
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
 DEGREE = 4

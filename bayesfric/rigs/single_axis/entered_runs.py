@@ -23,7 +23,7 @@ from bayesfric.rigs.single_axis.declared import contradicts
 from bayesfric.rigs.single_axis.dither import Dither
 from bayesfric.rigs.single_axis.entering import SHOWS_PLACE
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
-from bayesfric.rigs.single_axis.moved_otherwise import MovedOtherwise, moved_otherwise
+from bayesfric.rigs.single_axis.mistakes import MovedOtherwise, moved_otherwise
 from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.readings import LEVER, Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import state_of, varied_columns
@@ -324,7 +324,7 @@ class EnteredRuns(RigTrials):
     def _moved_otherwise(self) -> MovedOtherwise | None:
         """Why the force contains no friction of the joint; None if it does.
 
-        See :mod:`.moved_otherwise`.
+        See :mod:`.mistakes`.
         """
         if self.servo is not None or self._beside is not None or self._load_is_known:
             return None

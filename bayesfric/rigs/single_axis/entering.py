@@ -94,9 +94,7 @@ def _on_time(logs: Sequence[EvenLog], constants: RigConstants, servo: Servo | No
 def entering(
     axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
 ) -> dict[str, Any] | Unsupported:
-    """Return the runs in which the axis moves, or why none can be used.
-
-    The runs are fields of :class:`bayesfric.rigs.single_axis.trials.AxisRuns` by name.
+    """Return fields of :class:`~.trials.AxisRuns` for runs that move, or why none can be used.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ class SingleAxis(Rig):
         del exclude
         if recording.axis is None:
             return None
-        from bayesfric.rigs.single_axis.left_out import not_modelled
+        from bayesfric.rigs.single_axis.enough import not_modelled
         from bayesfric.rigs.single_axis.trials import opened
 
         if not_modelled(recording.axis):
@@ -74,11 +74,11 @@ class SingleAxis(Rig):
         return tuple(lines)
 
     def left_out(self, recording: Recording) -> list[Fault]:
-        """Return the runs that are not used, and why; see :mod:`.left_out`."""
+        """Return the runs that are not used, and why; see :mod:`.enough`."""
         if recording.axis is None:
             return []
+        from bayesfric.rigs.single_axis.enough import left_out, not_modelled
         from bayesfric.rigs.single_axis.entering import entering
-        from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 
         if parted := parted_by_joint(recording):
             return [

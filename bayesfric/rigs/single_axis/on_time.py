@@ -17,7 +17,7 @@ from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import leading
 from bayesfric.rigs.single_axis.even_log import EvenLog
-from bayesfric.rigs.single_axis.late_rates import following
+from bayesfric.rigs.single_axis.force_rates import following
 from bayesfric.rigs.single_axis.rough import pull_columns
 from bayesfric.rigs.single_axis.run_rows import rows_of_run
 from bayesfric.rigs.single_axis.weak_form import node_weights, test_function

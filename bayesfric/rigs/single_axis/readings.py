@@ -10,17 +10,15 @@ import numpy as np
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import Mixing, leading, rough_amounts
-from bayesfric.rigs.single_axis.even_log import EvenLog, given, sample_noise
+from bayesfric.rigs.single_axis.even_log import EvenLog, sample_noise
 from bayesfric.rigs.single_axis.following import DrivePath, LoadMotions
 from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.rough import SINGULAR, RoughLaw, pull_columns, rough_law
 from bayesfric.rigs.single_axis.run_rows import rows_of_run
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
-from bayesfric.rigs.single_axis.windows import half_samples, late_by, position_sd, window_width
+from bayesfric.rigs.single_axis.windows import half_samples, windows_of
 
 SAMPLES_PER_HALF = 12  # least samples in half a window for which loads are simulated
-SPARSE = 24  # with fewer windows they overlap more, and their errors are more correlated
-CLOSER = 0.5  # distance of these windows [half-widths]
 PIECE = 16  # most windows of a stretch within which the wander is correlated
 FEW_ROWS = 3  # least windows for each coefficient of a curve over position
 LEVER = ("gravity_sine", "gravity_cosine")
@@ -254,7 +252,7 @@ def readings_of(
     """
     stroke = max(float(np.ptp(run_log.position)) for run_log in logs)
     if like is None:
-        noise, half_s, hop, late_s = _windows_of(logs, resolution, stroke, limit)
+        noise, half_s, hop, late_s = windows_of(logs, resolution, stroke, limit)
     else:
         noise, half_s, hop, late_s = like.position_sd, like.half_s, like.hop, 0.0
     parts: list[dict[str, Any]] = []
@@ -290,21 +288,6 @@ def readings_of(
         stiffness=logs[0].stiffness,
         mixing=mixing,
     )
-
-
-def _windows_of(
-    logs: Sequence[EvenLog], resolution: float | None, stroke: float, limit: float
-) -> tuple[float, float, float, float]:
-    """Return the position error, half-width [s] and distance of windows, and force delay [s]."""
-    noise = position_sd(logs, resolution)
-    half_s, hop = window_width(logs, noise, stroke)
-    if _count(logs, half_s, noise, stroke) < SPARSE:
-        half = half_samples(half_s, logs[0])
-        hop *= max(1, round(CLOSER * half)) / half
-    late_s = 0.0
-    if all(log.sent is None for log in logs):  # a servo's delay is estimated elsewhere
-        late_s = late_by([given(run_log, limit) for run_log in logs], half_s, noise, stroke)
-    return noise, half_s, hop, late_s
 
 
 def _joined(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -358,16 +341,6 @@ def with_lever(rows: Readings, force: float) -> Readings:
         Amplitude of the forces for amounts of 1 [N·m].
     """
     return replace(rows, beside=np.column_stack([rows.beside, force * rows.gravity_columns]))
-
-
-def _count(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> int:
-    """Return the number of windows with a single direction, at distances of half a window."""
-    count = 0
-    for log in logs:
-        half = half_samples(half_s, log)
-        rows = rows_of_run(log, test_function(half, log.interval_s), half, noise, stroke)
-        count += rows["way"].size
-    return count
 
 
 def _drive_path(

@@ -7,12 +7,20 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
-from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise, resolving, smooth_motion
+from bayesfric.rigs.single_axis.even_log import (
+    EvenLog,
+    given,
+    position_noise,
+    resolving,
+    smooth_motion,
+)
 from bayesfric.rigs.single_axis.rough import SINGULAR, least_squares, pull_columns, rough_law
 from bayesfric.rigs.single_axis.run_rows import SMOOTHED, rows_of_run
 from bayesfric.rigs.single_axis.weak_form import node_weights, test_function
 
 MOST = 3000  # most windows of a recording
+SPARSE = 24  # with fewer windows they overlap more, and their errors are more correlated
+CLOSER = 0.5  # distance of these windows [half-widths]
 ROWS_A_COLUMN = 3  # least windows for each column of a regression
 LATEST_S = 0.05  # largest delay of a force for which its rate is exact enough
 
@@ -163,3 +171,28 @@ def late_by(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float)
         numbers, _ = least_squares(design, force, rcond=SINGULAR)
         late_s = float(np.clip(numbers[0], -LATEST_S, LATEST_S)) if force.size else 0.0
     return late_s
+
+
+def windows_of(
+    logs: Sequence[EvenLog], resolution: float | None, stroke: float, limit: float
+) -> tuple[float, float, float, float]:
+    """Return the position error, half-width [s] and distance of windows, and force delay [s]."""
+    noise = position_sd(logs, resolution)
+    half_s, hop = window_width(logs, noise, stroke)
+    if _count(logs, half_s, noise, stroke) < SPARSE:
+        half = half_samples(half_s, logs[0])
+        hop *= max(1, round(CLOSER * half)) / half
+    late_s = 0.0
+    if all(log.sent is None for log in logs):  # a servo's delay is estimated elsewhere
+        late_s = late_by([given(run_log, limit) for run_log in logs], half_s, noise, stroke)
+    return noise, half_s, hop, late_s
+
+
+def _count(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> int:
+    """Return the number of windows with a single direction, at distances of half a window."""
+    count = 0
+    for log in logs:
+        half = half_samples(half_s, log)
+        rows = rows_of_run(log, test_function(half, log.interval_s), half, noise, stroke)
+        count += rows["way"].size
+    return count

@@ -1,12 +1,79 @@
-"""The second derivative of the force around a window, without the errors of its mean force."""
+"""Derivatives of the force in time: for a force that acts late, and the second one around a window.
+
+The rates are those of a force that acts later than logged, or follows its command with a lag. The
+second derivative is computed without the errors of the window's mean force.
+"""
 
 import numpy as np
+import scipy
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.single_axis.even_log import EvenLog, sample_noise
 from bayesfric.rigs.single_axis.weak_form import TestFunction
+
+
+def late_rates(
+    log: EvenLog, test: TestFunction, centres: NDArray[np.intp], curvature: Array, late_s: float
+) -> tuple[Array, Array]:
+    """Return the rates of the force for a delay and for a lag, each of shape (W,) [N/s].
+
+    For a delay d, F(t) − F(t − d) = d F'(t − d/2) up to third order, so the rate is taken d/2
+    earlier. For a lag, the rate is that of the actuator's force. This is exact even if the command
+    changes within the time constant. Errors of the command are in the window's mean force and in
+    this rate. Their part of the rate that exceeds that of a delay is proportional to the second
+    derivative by the window's own samples. It is replaced by `curvature`, which does not contain
+    these errors.
+
+    Parameters
+    ----------
+    log : EvenLog
+        A run; the force before its start is assumed to be that at the start.
+    test : TestFunction
+        Test function of the windows.
+    centres : ndarray of int, shape (W,)
+        Middle sample of each window.
+    curvature : ndarray, shape (W,)
+        Second derivative of the force, without the errors of the mean force [N/s²].
+    late_s : float
+        Rough delay, or time constant of the lag; a lag is at least one sample long [s].
+    """
+    ago = 0.5 * late_s / log.interval_s
+    lag = max(late_s / log.interval_s, 1.0)
+
+    def rate(force: Array) -> Array:
+        return -test.over(force, test.slope, centres)
+
+    value = np.pad(test.value, 1)  # errors outside the window do not matter
+    more = following(value, lag) - _earlier(value, ago)
+    shared = (test.slope @ more[1:-1]) / (test.curvature @ test.value)
+    own = test.over(log.force, test.curvature, centres)
+    lagging = rate(following(log.force, lag)) + shared * (own - curvature)
+    return rate(_earlier(log.force, ago)), lagging
+
+
+def _earlier(force: Array, steps: float) -> Array:
+    """Return the force some samples ago, shape (N,)."""
+    place = np.arange(force.size)
+    return np.asarray(np.interp(place - steps, place, force))
+
+
+def following(force: Array, steps: float) -> Array:
+    """Return a first-order lag of a force that is linear between samples, shape (N,).
+
+    Parameters
+    ----------
+    force : ndarray, shape (N,)
+        The force at each sample; before the first sample it is constant.
+    steps : float
+        Time constant [samples].
+    """
+    kept = np.exp(-1 / steps)
+    mean = (1 - kept) * steps  # mean of the decay over one step
+    numbers = [1 - mean, mean - kept], [1.0, -kept]
+    return np.asarray(scipy.signal.lfilter(*numbers, force, zi=mean * force[:1])[0])
+
 
 BESIDE = 3  # half windows from which the second derivative is estimated
 MISSED = 2.0  # larger squared differences than errors of the force make, by this factor
