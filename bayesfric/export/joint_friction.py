@@ -7,6 +7,7 @@ import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.export.stored_law import StoredLaw
+from bayesfric.inference.clustered import clustered_covariance
 
 ROUNDING = 1e-9  # relative to friction
 
@@ -86,10 +87,8 @@ def _errors(columns: Array, law: StoredLaw) -> tuple[float, float]:
     H. White, "A heteroskedasticity-consistent covariance matrix estimator and a direct test for
     heteroskedasticity", Econometrica 48 (1980); with the trials as clusters.
     """
-    left = law.measured - law.friction
     _, trial = np.unique(law.trial, return_inverse=True)
-    moments = np.zeros((trial.max() + 1, 2))
-    np.add.at(moments, trial, columns * left[:, None])
-    bread = np.linalg.pinv(columns.T @ columns)
-    constant, slope = np.sqrt(np.diag(bread @ moments.T @ moments @ bread))
+    inverse = np.asarray(np.linalg.pinv(columns.T @ columns))
+    covariance = clustered_covariance(columns, law.measured - law.friction, trial, inverse)
+    constant, slope = np.sqrt(np.diag(covariance))
     return float(constant), float(slope)

@@ -1,7 +1,10 @@
 """Numbers of joints as files of their own: JSON, Python, actuators, a table, and callbacks."""
 
+import csv
+import io
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -140,9 +143,7 @@ def draws_table(
         drawn = dict(joint.draws)
         if joint.inertia in drawn and joint.name in links:
             drawn["armature"] = drawn.pop(joint.inertia or "") - links[joint.name]
-        possible, below = ExportedJoint(
-            joint.name, joint.in_model, joint.turns, joint.numbers, drawn, joint.causes
-        ).possible_draws()
+        possible, below = replace(joint, draws=drawn).possible_draws()
         dropped += below
         left = len(next(iter(possible.values()), ()))
         if left < count:
@@ -154,22 +155,19 @@ def draws_table(
         drawn = {name: values[chosen] for name, values in possible.items()}
         parts.append((joint.in_model or joint.called, drawn))
     names = list(dict.fromkeys(name for _, drawn in parts for name in drawn))
-    lines = [",".join(["draw", "joint", *names])]
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(["draw", "joint", *names])
     for draw in range(count):
         for called, drawn in parts:
-            cells = [f"{drawn[name][draw]:.9g}" if name in drawn else "" for name in names]
-            lines.append(",".join([str(draw), _cell(called), *cells]))
-    return "\n".join(lines) + "\n", dropped
+            cells = (f"{drawn[name][draw]:.9g}" if name in drawn else "" for name in names)
+            table.writerow([draw, called, *cells])
+    return text.getvalue(), dropped
 
 
 def _escaped(text: str) -> str:
     """Return text that cannot end the docstring that contains it, and has no escapes."""
     return text.replace("\\", r"\\").replace('"', r"\"")
-
-
-def _cell(text: str) -> str:
-    quoted = text.replace('"', '""')
-    return f'"{quoted}"' if any(char in text for char in ',"\n\r') else text
 
 
 def _text(joint: ExportedJoint, name: str) -> str | None:

@@ -243,21 +243,17 @@ def _stage(
         return np.concatenate([(length * v)[:, 0], (length * a)[:, 0]])
 
     start = np.concatenate([travel[:, 0], speed[:, 0]])
-    solver = scipy.integrate.DOP853(
-        derivative, 0.0, start, 1.0, rtol=TOLERANCE, atol=TOLERANCE, max_step=LARGEST_STEP
+    solved = scipy.integrate.solve_ivp(
+        derivative,
+        (0.0, 1.0),
+        start,
+        method="DOP853",
+        t_eval=np.linspace(0, 1, GRID),
+        rtol=TOLERANCE,
+        atol=TOLERANCE,
+        max_step=LARGEST_STEP,
     )
-    grid = np.linspace(0, 1, GRID)
-    values = np.empty((2 * trials, GRID))
-    values[:, 0] = start
-    done = 1
-    while solver.status == "running":
-        solver.step()
-        reached = int(np.searchsorted(grid, solver.t, side="right"))
-        if reached > done:
-            values[:, done:reached] = solver.dense_output()(grid[done:reached])
-            done = reached
-    values[:, done:] = solver.y[:, None]
-    return values[:trials], values[trials:]
+    return solved.y[:trials], solved.y[trials:]
 
 
 def times_at(motion: Motion, place_m: Array) -> tuple[Array, Array]:

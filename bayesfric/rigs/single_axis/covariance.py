@@ -110,33 +110,14 @@ class Pieces:
         diagonal += np.where(self.rows < self.count, LEAST * diagonal.max(), 1.0)
         return Solved(self, np.asarray(np.linalg.inv(whole)), whole, parts, length)
 
-    def grouped(self, size: int) -> tuple[csr_array, Whole]:
-        """Return the matrix of means over neighbouring rows, and the first row of each mean."""
-        groups = []
-        for piece in self.rows:
-            there = piece[piece < self.count]
-            groups += np.array_split(there, max(1, round(there.size / size)))
-        owner = np.repeat(np.arange(len(groups)), [group.size for group in groups])
-        share = np.repeat([1 / group.size for group in groups], [group.size for group in groups])
-        matrix = csr_array((share, (owner, np.concatenate(groups))), (len(groups), self.count))
-        return matrix, np.array([group[0] for group in groups], dtype=np.intp)
-
-    def averaged(
-        self,
-        mean: csr_array,
-        position: float,
-        force: float,
-        wander: float,
-        length: float,
-    ) -> csr_array:
-        """Return the covariance of means of rows at given noise parameters, shape (G, G)."""
+    def covariance(self, position: float, force: float, wander: float, length: float) -> csr_array:
+        """Return the covariance of all rows at given noise parameters, shape (W, W)."""
         whole = sum(self._parts(position, force, wander, length))
         there = self.rows < self.count
         both = there[:, :, None] & there[:, None, :]
         row = np.broadcast_to(self.rows[:, :, None], both.shape)[both]
         column = np.broadcast_to(self.rows[:, None, :], both.shape)[both]
-        matrix = csr_array((np.asarray(whole)[both], (row, column)), (self.count, self.count))
-        return csr_array(mean @ matrix @ mean.T)
+        return csr_array((np.asarray(whole)[both], (row, column)), (self.count, self.count))
 
 
 @dataclass(frozen=True)

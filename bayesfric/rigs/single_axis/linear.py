@@ -28,7 +28,6 @@ from bayesfric.rigs.single_axis.rows import AxisRows
 
 SCATTER = (1e-4, 1.0)  # range in which a relative scatter is searched
 ONCE = HalfNormal(scale=0.001)  # prior of scatter between assemblies that are not repeated
-GROUPED = 1  # windows of the weak form in a window of residual forces
 NAMES = (
     "sigma_position",
     "sigma_force",
@@ -184,46 +183,40 @@ class AxisPart(ColumnsPart):
         return np.tile(variances, (len(self.size), 1))
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
-        """Return residual forces, each the mean of :data:`GROUPED` neighbouring rows."""
-        readings = self.rows.readings
+        """Return the residual force of each row."""
+        readings, root = self.rows.readings, self._root
         position, force, wander, length = (noise[name] for name in NAMES[:4])
-        mean, first = self._pieces.grouped(GROUPED)
+        error = self._pieces.covariance(position, force, 0.0, length)
+        moved = self._pieces.covariance(0.0, 0.0, wander, length)
         friction = self.rows.friction_of_row
-        row = readings.trial[first]
-        error = self._pieces.averaged(mean, position, force, 0.0, length)
-        moved = self._pieces.averaged(mean, 0.0, 0.0, wander, length)
-        root = mean @ self._root
-        share = mean @ friction
         levels, *_ = self._levels(noise)
-        deviating = mean @ self._deviating
-        along, in_time = deviating[:, 1 : SHARED - 1], deviating[:, SHARED:]
+        along, in_time = self._deviating[:, 1 : SHARED - 1], self._deviating[:, SHARED:]
         covariance, varying = [], []
         for trial in range(len(self.size)):
-            mine = np.flatnonzero(row == trial)
+            mine = np.flatnonzero(readings.trial == trial)
             weight = np.outer(root[mine], root[mine])
             covariance.append(error[mine][:, mine].toarray() / weight)
             varies = moved[mine][:, mine].toarray() / weight
             varies += (along[mine] * (levels.run_map + levels.machine_map)) @ along[mine].T
             varies += (in_time[mine] * levels.slow) @ in_time[mine].T
-            varying.append(varies / np.outer(share[mine], share[mine]))
-        where = {name: mean @ at for name, at in self.rows.covariates().items()}
+            varying.append(varies / np.outer(friction[mine], friction[mine]))
+        where = self.rows.covariates()
         for axis in ("tension", "n_pulleys", "wrap_angle"):
             del where[axis]  # no cable
         # Before the first reversal in the log, the travel since the last one is unknown: a stroke.
         travel = np.minimum(self.rows.mean(readings.travel), self.rows.stroke)
-        order = mean @ np.broadcast_to(self.rows.state.order, (readings.count, 1))[:, 0]
         return Windows(
-            row=row,
-            residual_n=mean @ self._response,
-            columns=mean @ self.columns,
+            row=readings.trial,
+            residual_n=self._response,
+            columns=self.columns,
             covariance=tuple(covariance),
             wander=tuple(varying),
             covariates=where
             | {
-                "order": order,
-                "direction": mean @ readings.way,
-                "travel_since_reversal": mean @ travel,
-                "time_s": mean @ readings.time_s,
+                "order": np.broadcast_to(self.rows.state.order, (readings.count, 1))[:, 0],
+                "direction": readings.way,
+                "travel_since_reversal": travel,
+                "time_s": readings.time_s,
             },
             counts=min(readings.hop, 1.0) * root**2,
         )
