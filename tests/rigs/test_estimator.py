@@ -80,8 +80,6 @@ def test_the_law_is_recovered_from_exact_data(exact):
             assert cell.slope.value == pytest.approx(slope, rel=1e-7)
             assert cell.intercept_n == pytest.approx(cell.n_pulleys * law.c2, rel=1e-6)
             assert cell.slope.r_squared == pytest.approx(1.0, abs=1e-9)
-        # Two angles give a slope, and no evidence that it is a straight line.
-        assert [wrap.slope.r_squared for wrap in size.wraps if wrap.n_pulleys == 5] == [None]
     for trial in estimate.trials:
         assert trial.r_squared == pytest.approx(1.0, abs=1e-9)
 
@@ -163,7 +161,6 @@ def test_one_angle_leaves_c3_open(exact):
         assert size.c1.value is not None
         assert size.c3.value is None
         assert "two wrap angles" in size.c3.reason
-        assert all("differ by less than 5°" in wrap.slope.reason for wrap in size.wraps)
 
 
 def test_no_upright_cell_leaves_c1_and_c2_open(exact):

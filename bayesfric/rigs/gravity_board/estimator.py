@@ -187,22 +187,6 @@ class CellLine:
 
 
 @dataclass(frozen=True)
-class WrapLine:
-    """The first part of step 4 for one (size, n): the slopes of step 2 against θ.
-
-    Parameters
-    ----------
-    n_pulleys : int
-        Number of pulleys.
-    slope : Slope
-        d²fc/dT dθ [1/deg].
-    """
-
-    n_pulleys: int
-    slope: Slope
-
-
-@dataclass(frozen=True)
 class SizeEstimate:
     """Coefficients of a pulley size, and the lines from which they follow.
 
@@ -212,15 +196,12 @@ class SizeEstimate:
         Recorded pulley size.
     cells : tuple of CellLine
         Lines of step 2, sorted by n and θ.
-    wraps : tuple of WrapLine
-        Lines of step 4, sorted by n.
     c1, c2, c3 : Slope
         Coefficients [-], [N] and [1/deg].
     """
 
     pulley_size: str
     cells: tuple[CellLine, ...]
-    wraps: tuple[WrapLine, ...]
     c1: Slope
     c2: Slope
     c3: Slope
@@ -258,21 +239,17 @@ def _size(size: str, trials: list[TrialFriction]) -> SizeEstimate:
     )
     lines = [cell for cell in cells if cell.slope.value is not None]
     upright = [cell for cell in lines if is_upright(cell.wrap_angle_deg)]
-    wraps = tuple(
-        WrapLine(n, _wrap_slope([cell for cell in lines if cell.n_pulleys == n]))
-        for n in sorted({n for n, _ in keys})
-    )
+    counts = sorted({n for n, _ in keys})
     none = "no line of friction against tension at 85°"
     count = [cell.n_pulleys for cell in upright]
     return SizeEstimate(
         pulley_size=size,
         cells=cells,
-        wraps=wraps,
         c1=_proportional(count, [cell.slope.value for cell in upright], none),
         c2=_proportional(count, [cell.intercept_n for cell in upright], none),
         c3=_proportional(
-            [wrap.n_pulleys for wrap in wraps],
-            [wrap.slope.value for wrap in wraps],
+            counts,
+            [_wrap_slope([cell for cell in lines if cell.n_pulleys == n]) for n in counts],
             "no number of pulleys was measured at two wrap angles",
         ),
     )
@@ -293,12 +270,13 @@ def _cell(n_pulleys: int, wrap_angle_deg: float, trials: list[TrialFriction]) ->
     return CellLine(n_pulleys, wrap_angle_deg, count, slope, intercept)
 
 
-def _wrap_slope(cells: list[CellLine]) -> Slope:
+def _wrap_slope(cells: list[CellLine]) -> float | None:
+    """Return d²fc/dT dθ of one number of pulleys; None if its wrap angles are alike [1/deg]."""
     angles = np.array([cell.wrap_angle_deg for cell in cells])
     if angles.size < 2 or np.ptp(angles) < LEAST_ANGLE_SPAN_DEG:
-        return Slope(None, None, f"its wrap angles differ by less than {LEAST_ANGLE_SPAN_DEG:.0f}°")
+        return None
     slopes = np.array([cell.slope.value for cell in cells], dtype=np.float64)
-    return _line(angles, slopes)[0]
+    return float(least_squares_lines(angles, slopes)[0])
 
 
 def least_squares_lines(x: Array, y: Array) -> tuple[Array, Array]:

@@ -68,6 +68,13 @@ class EventTrains:
             self.count[events],
         )
 
+    def of_both_sensors(self, least: int) -> "EventTrains":
+        """Return the trains of trials whose two sensors have at least so many events."""
+        enough = self.sizes >= least
+        trials = int(self.trial.max(initial=-1)) + 1
+        both = np.bincount(self.trial[enough], minlength=trials) == 2
+        return self.keep((enough & both[self.trial])[self.train])
+
 
 def event_trains(events: pd.DataFrame, trial_ids: pd.Series, spacing_m: float) -> EventTrains:
     """Sort events into trains.

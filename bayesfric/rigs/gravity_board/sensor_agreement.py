@@ -84,11 +84,7 @@ def sensor_agreement(
     trains = _common_time(event_trains(events, trials["trial"], spacing))
     if not trains.starts.size:
         return SensorAgreement(pd.DataFrame(columns=columns), None)
-    pilot = quadratic_fits(trains, np.ones(trains.time.size))
-    variance = noise_variance(
-        pilot.residual, pilot.leverage, pilot.speed**2, rig.timer_resolution_s**2 / 12
-    )
-    fits = quadratic_fits(trains, 1 / variance)
+    fits = quadratic_fits(trains, 1 / noise_variance(trains, rig.timer_resolution_s))
     drive, load = fits.acceleration.reshape(-1, 2).T
     difference = drive - load
     z = difference / np.sqrt(fits.acceleration_variance.reshape(-1, 2).sum(axis=1))
@@ -131,18 +127,18 @@ def _common_time(trains: EventTrains) -> EventTrains:
     np.minimum.at(end, trains.trial, trains.time[last])
     trial = trains.trial[trains.train]
     common = trains.keep((trains.time >= start[trial]) & (trains.time <= end[trial]))
-    enough = common.sizes >= MINIMUM_EVENTS
-    both = enough & (np.bincount(common.trial[enough], minlength=trials) == 2)[common.trial]
-    return common.keep(both[common.train])
+    return common.of_both_sensors(MINIMUM_EVENTS)
 
 
-def noise_variance(residual: Array, leverage: Array, speed2: Array, tick2: float) -> Array:
+def noise_variance(trains: EventTrains, tick_s: float) -> Array:
     """Return each event's variance, σx² + σt² v², from residuals of all trains.
 
     The estimate is a weighted regression of squared residuals on squared speed, with weights from
-    the previous iteration. σx² is at least 0, and σt² is at least the variance `tick2` by rounding
-    of the clock.
+    the previous iteration. σx² is at least 0, and σt² is at least the variance by rounding of the
+    clock to ticks of `tick_s`.
     """
+    fits, tick2 = quadratic_fits(trains, np.ones(trains.time.size)), tick_s**2 / 12
+    residual, leverage, speed2 = fits.residual, fits.leverage, fits.speed**2
     square = residual**2 / np.maximum(1 - leverage, 1e-6)
     variance = np.full(square.size, np.median(square) / NORMAL_MEDIAN_SQUARE) + tick2 * speed2
     for _ in range(NOISE_ROUNDS):

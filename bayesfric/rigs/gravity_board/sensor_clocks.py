@@ -103,7 +103,8 @@ def sensor_clocks(events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants)
     trains, allowed = None, (clock_sd_s(rig), rig.sensor_clock_sd_s is not None)
     if len(events):
         assert rig.hall_spacing_m and rig.timer_resolution_s
-        trains = _of_two_sensors(event_trains(events, trial_ids, rig.hall_spacing_m))
+        trains = event_trains(events, trial_ids, rig.hall_spacing_m)
+        trains = trains.of_both_sensors(MINIMUM_EVENTS)
     if trains is None or not trains.starts.size:
         columns = ["trial", "late_s", "sd_s", "same_motion"]
         return SensorClocks(pd.DataFrame(columns=columns), *allowed, None, None)
@@ -123,15 +124,6 @@ def sensor_clocks(events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants)
     return SensorClocks(table, *allowed, *pooled)
 
 
-def _of_two_sensors(trains: EventTrains) -> EventTrains:
-    """Return the trains of trials whose two sensors have enough events."""
-    enough = trains.sizes >= MINIMUM_EVENTS
-    if not enough.any():
-        return trains.keep(np.zeros(trains.time.size, dtype=bool))
-    both = np.bincount(trains.trial[enough], minlength=int(trains.trial.max()) + 1) == 2
-    return trains.keep((enough & both[trains.trial])[trains.train])
-
-
 def _offsets(trains: EventTrains, tick_s: float) -> tuple[Whole, Array, Array, Flags]:
     """Return index, offset, its standard error and sameness of motion for each trial.
 
@@ -141,14 +133,13 @@ def _offsets(trains: EventTrains, tick_s: float) -> tuple[Whole, Array, Array, F
     three differences between the sensors: an offset of the travel, a relative error of the travel,
     and the delay times the speed.
     """
-    pilot = quadratic_fits(trains, np.ones(trains.time.size))
-    variance = noise_variance(pilot.residual, pilot.leverage, pilot.speed**2, tick_s**2 / 12)
-    fits = quadratic_fits(trains, 1 / np.maximum(variance, LEAST_VARIANCE))
+    variance = np.maximum(noise_variance(trains, tick_s), LEAST_VARIANCE)
+    fits = quadratic_fits(trains, 1 / variance)
     sharp = np.abs(fits.acceleration) > SHARP * np.sqrt(fits.acceleration_variance)
     drive, load = fits.rest_time.reshape(-1, 2).T
     nearer = _overlap(trains, load - drive) > _overlap(trains, np.zeros_like(drive)) - LARGEST_LOSS
     late = np.where(nearer & sharp.reshape(-1, 2).all(axis=1), load - drive, 0.0)
-    events = _Padded.of(trains, np.maximum(variance, LEAST_VARIANCE))
+    events = _Padded.of(trains, variance)
     for _ in range(ROUNDS):
         further, share, deviation = events.differences(late)
         late = late + further

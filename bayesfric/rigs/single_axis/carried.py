@@ -45,6 +45,10 @@ class Pull(NamedTuple):
     middle: float
     half: float
 
+    def at(self, position: Array) -> Array:
+        """Return the force at some positions, shape (N,) [N or N·m]."""
+        return np.asarray(pull_basis(position, self.middle, self.half) @ self.pull)
+
 
 @dataclass(frozen=True)
 class Carried:
@@ -92,8 +96,7 @@ class Carried:
         for key, load in self.loads.items():
             mine = np.array([other == key for other in keys], dtype=np.bool_)[readings.trial]
             at = readings.position[mine]
-            pull = pull_basis(at.ravel(), load.middle, load.half) @ load.pull
-            held[mine] += pull.reshape(at.shape)
+            held[mine] += load.at(at.ravel()).reshape(at.shape)
             moved[mine] += load.mass * accelerations[mine]
         return held, moved
 

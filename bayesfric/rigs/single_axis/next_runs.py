@@ -9,7 +9,7 @@ exceed the largest recorded one, unless it repeats a recorded run.
 
 from collections.abc import Collection, Mapping
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -19,6 +19,7 @@ from bayesfric.arrays import Array, evenly
 from bayesfric.observation.feasible import numbered
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.recording.tables import Axis, RigConstants
+from bayesfric.rigs.single_axis.carried import Pull
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
 from bayesfric.rigs.single_axis.rough import places_of, pull_basis
@@ -64,7 +65,7 @@ def lay_out(
     logs = {run: log for run, log in read.items() if log is not None and run in moved}
     splines = {run: _spline(log, log.position, like.half_s) for run, log in logs.items()}
     tops = {run: _top(path) for run, path in splines.items()}
-    largest_force, pull = float(np.abs(like.drive).max()), _Pull.of(like, law)
+    largest_force, pull = float(np.abs(like.drive).max()), _pull(like, law)
     speeds = _speeds(tops, rig)
     proposed, rows = [], []
     for run in _chosen(axis.runs, tops):
@@ -91,33 +92,12 @@ def lay_out(
     return numbered(table), readings.of(moving)
 
 
-class _Pull(NamedTuple):
-    """A drive force that depends on position, as that against a weight or a spring.
-
-    Parameters
-    ----------
-    middle, half : float
-        Middle and half range of the recorded positions [m or rad].
-    amounts : ndarray, shape (m,)
-        Coefficients of the functions of :func:`.rough.pull_basis` [N or N·m].
-    """
-
-    middle: float
-    half: float
-    amounts: Array
-
-    @classmethod
-    def of(cls, rows: Readings, law: AxisLaw) -> "_Pull":
-        """Fit the residuals of windows after the law by functions of position."""
-        position, speed = rows.mean_position, rows.mean_speed
-        residual = rows.force - law.mass * rows.acceleration - law.coulomb - law.viscous * speed
-        basis = pull_basis(position, *places_of(position))
-        amounts = np.linalg.lstsq(basis, rows.way * residual, rcond=None)[0]
-        return cls(*places_of(position), np.asarray(amounts, dtype=np.float64))
-
-    def at(self, position: Array) -> Array:
-        """Return the force at some positions, shape (N,) [N or N·m]."""
-        return np.asarray(pull_basis(position, self.middle, self.half) @ self.amounts)
+def _pull(rows: Readings, law: AxisLaw) -> Pull:
+    """Fit the residuals of windows after the law by functions of position."""
+    places = places_of(rows.mean_position)
+    residual = rows.way * (rows.force - rows.law_columns @ np.array(law))
+    amounts = np.linalg.lstsq(pull_basis(rows.mean_position, *places), residual, rcond=None)[0]
+    return Pull(law.mass, np.asarray(amounts, dtype=np.float64), *places)
 
 
 def _spline(log: EvenLog, position: Array, knot_s: float) -> "scipy.interpolate.BSpline":
@@ -176,7 +156,7 @@ def _chosen(runs: pd.DataFrame, tops: Mapping[str, float]) -> list[dict[str, Any
 
 
 def _faster(
-    path: "scipy.interpolate.BSpline", faster: float, log: EvenLog, law: AxisLaw, pull: _Pull
+    path: "scipy.interpolate.BSpline", faster: float, log: EvenLog, law: AxisLaw, pull: Pull
 ) -> EvenLog:
     """Return the log of a path that is run faster by a factor; its drive force has no delay.
 

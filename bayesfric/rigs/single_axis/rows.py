@@ -154,8 +154,7 @@ class AxisRows(LaidRows):
         rows = self.readings
         if self.simulated is not None:
             return self.simulated.columns(rows)
-        columns = np.stack([rows.acceleration, np.ones(rows.count), self.mean(rows.speed)], axis=1)
-        return columns * [name not in self.lacks for name in Coefficients._fields]
+        return rows.law_columns * [name not in self.lacks for name in Coefficients._fields]
 
     def residual(self) -> Array:
         """Return each window's force minus that of the reference law or simulator, (W,) [N]."""

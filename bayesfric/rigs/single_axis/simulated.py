@@ -281,8 +281,8 @@ def linearised(
         f"{rounds} × {calls_a_run} for each of {len(runs)} runs, and one for what a pull counts",
     )
     made = calls.made
-    theta = np.array([float(from_normal(parameter.prior, 0.0)) for parameter in parameters])
-    steps = np.array([STEP * _width(parameter) for parameter in parameters])
+    theta = _quantiles(parameters, 0.0)
+    steps = STEP * _widths(parameters)
     _check_pull(calls, runs[0], guides[0], theta, PROBE * measures.friction)
     for left in reversed(range(rounds)):
         forces = _needed(calls, runs, guides, theta, steps)
@@ -310,9 +310,13 @@ def _run(log: EvenLog, guide: Guide, row: Mapping[str, object]) -> SimulatorRun:
     return SimulatorRun(str(row["run"]), log.time_s, log.force, start, speed, columns)
 
 
-def _width(parameter: Parameter) -> float:
-    low, high = (float(from_normal(parameter.prior, z)) for z in (-1.0, 1.0))
-    return 0.5 * (high - low)
+def _quantiles(parameters: Sequence[Parameter], z: float) -> Array:
+    """Return the values of parameters at a normal quantile of their priors."""
+    return np.array([float(from_normal(parameter.prior, z)) for parameter in parameters])
+
+
+def _widths(parameters: Sequence[Parameter]) -> Array:
+    return 0.5 * (_quantiles(parameters, 1.0) - _quantiles(parameters, -1.0))
 
 
 def _needed(
@@ -367,15 +371,12 @@ def _best(
     used = fits[readings.trial]
     columns = readings.simulated[used, 1:]
     residual = readings.force[used] - readings.simulated[used, 0]
-    width = np.array([_width(parameter) for parameter in parameters])
+    width = _widths(parameters)
     free = np.linalg.lstsq(columns * width, residual, rcond=1e-9)[0]
     variance = float(np.mean((residual - columns * width @ free) ** 2)) or 1.0
-    middle = np.array([float(from_normal(parameter.prior, 0.0)) for parameter in parameters])
     precision = (columns * width).T @ (columns * width) / variance + np.eye(width.size)
-    slope = (columns * width).T @ residual / variance + (middle - theta) / width
+    to_median = (_quantiles(parameters, 0.0) - theta) / width
+    slope = (columns * width).T @ residual / variance + to_median
     best = theta + width * np.linalg.solve(precision, slope)
-    low, high = (
-        np.array([float(from_normal(parameter.prior, z)) for parameter in parameters])
-        for z in (-3.0, 3.0)
-    )
+    low, high = (_quantiles(parameters, z) for z in (-3.0, 3.0))
     return np.asarray(np.clip(best, low, high))
