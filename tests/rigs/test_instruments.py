@@ -6,7 +6,8 @@ from rigs.looped_joint import LoopedJoint
 
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.single_axis.instruments import Compared, Estimate, compared, without_clock
+from bayesfric.rigs.single_axis.instruments import UNITS, _alarms, compared, without_clock
+from bayesfric.schemas.instrument import InstrumentNumber
 
 pytestmark = pytest.mark.usefixtures("lengths_not_searched")
 AXIS = all_rigs()["single-axis"]
@@ -34,11 +35,11 @@ def test_what_bends_least_squares_does_not_bend_the_instrument(wrong):
     comparison = compared(*rows(1, **wrong))
     assert comparison.alarms
     assert comparison.p_value < 1e-6
-    assert abs(comparison.ordinary["inertia"].value / 0.06 - 1) > 0.05
+    assert abs(comparison.numbers["inertia"].ordinary / 0.06 - 1) > 0.05
     for name, true in TRUTH.items():
-        number = comparison.instrumental[name]
-        assert abs(number.value - true) < 3 * number.error
-    assert comparison.instrumental["inertia"].value == pytest.approx(0.06, rel=0.03)
+        number = comparison.numbers[name]
+        assert abs(number.instrumental - true) < 3 * number.instrumental_se
+    assert comparison.numbers["inertia"].instrumental == pytest.approx(0.06, rel=0.03)
 
 
 def test_where_nothing_is_wrong_the_alarm_is_as_rare_as_it_says():
@@ -85,12 +86,21 @@ def test_instruments_that_tell_a_sum_alone_are_weak():
 
 def test_least_squares_that_are_off_by_less_than_the_instruments_error_raise_no_alarm():
     """Coulomb friction is 2.4 % apart, and the error of the difference 1.8 %."""
-    numbers = {"inertia": Estimate(0.06, 1e-4), "coulomb": Estimate(0.2, 1e-3)}
-    beside = numbers | {"coulomb": Estimate(0.2048, 3.7e-3)}
-    figures = Compared("reference", 30.0, 1e-8, 50.0, beside, numbers, 600, {})
-    assert not figures.alarms
-    surely = beside | {"coulomb": Estimate(0.2048, 1.5e-3)}
-    assert figures._replace(instrumental=surely).alarms
+
+    def alarms(error):
+        estimates = {
+            "inertia": (0.06, 1e-4, 0.06, 1e-4),
+            "coulomb": (0.2, 1e-3, 0.2048, error),
+        }
+        fields = ("ordinary", "ordinary_se", "instrumental", "instrumental_se")
+        numbers = {
+            name: InstrumentNumber(unit=UNITS[name], **dict(zip(fields, values, strict=True)))
+            for name, values in estimates.items()
+        }
+        return _alarms(1e-8, 50.0, 1.0, numbers)
+
+    assert not alarms(3.7e-3)
+    assert alarms(1.5e-3)
 
 
 def test_a_looped_joint_has_its_figure():
@@ -119,8 +129,8 @@ def test_an_effect_that_is_a_number_of_the_law_is_told_by_the_instrument(place, 
     """Drag as a share of Coulomb friction, where the law has none: its column is the speed's."""
     force, columns, instruments, piece = rows(1)
     comparison = compared(
-        force, np.column_stack([columns, 0.2 * columns[:, place]]), instruments, piece, (name,)
+        force, np.column_stack([columns, 0.2 * columns[:, place]]), instruments, piece, {name: "1"}
     )
-    instrumental, ordinary = comparison.effects[name]
-    assert instrumental.value == pytest.approx(comparison.instrumental[law].value / 0.2)
-    assert ordinary.error == pytest.approx(comparison.ordinary[law].error / 0.2)
+    effect, number = comparison.effects[name], comparison.numbers[law]
+    assert effect.instrumental == pytest.approx(number.instrumental / 0.2)
+    assert effect.ordinary_se == pytest.approx(number.ordinary_se / 0.2)

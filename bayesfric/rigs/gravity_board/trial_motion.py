@@ -4,7 +4,7 @@ A trial's motion since its first event is x(t) = v0 τ + a τ²/2. Displacements
 each sensor. They are linear in these four coefficients.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,12 +19,12 @@ NUISANCES = 3  # offsets of the two sensors and first speed
 
 
 def trial_condition(
-    trials: pd.DataFrame | pd.Series | Mapping[str, Any], rig: RigConstants
+    trials: pd.DataFrame | pd.Series | Mapping[Hashable, Any], rig: RigConstants
 ) -> Condition:
     """Return the conditions of N trials, arrays of shape (N,), or those of one trial."""
     columns = ("n_pulleys", "wrap_angle_deg", "mass_drive_kg", "mass_load_kg")
-    parts = (np.asarray(trials[name], dtype=np.float64) for name in columns)
-    return Condition(*parts, rig.gravity_m_s2)
+    n, wrap, drive, load = (np.asarray(trials[name], dtype=np.float64) for name in columns)
+    return Condition(n, wrap, drive, load, rig.gravity_m_s2)
 
 
 @dataclass(frozen=True)

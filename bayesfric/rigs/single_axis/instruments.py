@@ -16,8 +16,8 @@ robot identification", IEEE Transactions on Control Systems Technology 22 (1), 2
 J. A. Hausman, "Specification tests in econometrics", Econometrica 46 (6), 1978.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Literal, NamedTuple
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 import scipy
@@ -33,119 +33,31 @@ from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 BEFORE = 2  # preceding windows whose motion is an instrument
 MOVED = 2  # regressors with errors of the motion: acceleration and speed
 ALIKE = 1e-4  # relative residual of a column below which earlier columns determine it
-UNITS = {"inertia": "kg", "viscous": "N s/m", "coulomb": "N"}
-NAMES = tuple(UNITS)  # names of the first columns
+UNITS = {"inertia": "kg", "viscous": "N s/m", "coulomb": "N"}  # of the first columns
 
 
-class Estimate(NamedTuple):
-    """An estimate with its standard error."""
-
-    value: float
-    error: float
-
-    def over(self, ratio: float) -> "Estimate":
-        """Return the estimate divided by a ratio."""
-        return Estimate(self.value / ratio, self.error / abs(ratio))
-
-
-class Compared(NamedTuple):
-    """Estimates by least squares with and without instruments.
-
-    Parameters
-    ----------
-    kind : str
-        Kind of instruments, ``"reference"`` or ``"earlier motion"``.
-    statistic, p_value : float
-        Statistic and p-value of the Durbin-Wu-Hausman test.
-    strength : float
-        The smaller of the conditional F statistics of the instruments for acceleration and speed.
-    instrumental, ordinary : dict of str to Estimate
-        Inertia, viscous and Coulomb friction, with and without instruments.
-    rows : int
-        Number of windows of both estimates.
-    effects : dict of str to (Estimate, Estimate)
-        Amplitudes of acting effects, with and without instruments. Effects whose columns earlier
-        columns determine are left out, unless they are proportional to a column of the law.
-    agreement : float
-        p-value of the test that the instruments agree with each other; 1 if there are no more
-        instruments than regressors.
-    """
-
-    kind: Literal["reference", "earlier motion"]
-    statistic: float
-    p_value: float
-    strength: float
-    instrumental: dict[str, Estimate]
-    ordinary: dict[str, Estimate]
-    rows: int
-    effects: dict[str, tuple[Estimate, Estimate]]
-    agreement: float = 1.0
-
-    @property
-    def alarms(self) -> bool:
-        """Whether the bias of least squares is significant and large enough to matter."""
-        if (
-            self.p_value >= AXIS_RULES.instrument_differs
-            or self.strength < AXIS_RULES.weak_instrument
-            or self.agreement < AXIS_RULES.instrument_differs
-        ):
-            return False
-        return any(
-            _is_off(number, self.instrumental[name])
-            for name, number in self.ordinary.items()
-            if name != "viscous"
-        )
-
-    def stored(self, unit: Callable[[str], str], units: Mapping[str, str]) -> Instrument:
-        """Return the comparison in the form of a result.
-
-        Parameters
-        ----------
-        unit : callable
-            Converts the unit of a coefficient to that of this axis.
-        units : mapping of str to str
-            Units of the effects' amplitudes.
-        """
-        numbers = {
-            name: _stored(unit(UNITS[name]), self.instrumental[name], number)
-            for name, number in self.ordinary.items()
-        }
-        effects = {
-            name: _stored(units[name], instrumental, ordinary)
-            for name, (instrumental, ordinary) in self.effects.items()
-        }
-        return Instrument(
-            kind=self.kind,
-            statistic=self.statistic,
-            p_value=self.p_value,
-            strength=self.strength,
-            agreement=self.agreement,
-            windows=self.rows,
-            alarms=self.alarms,
-            numbers=numbers,
-            effects=effects,
-        )
+def _alarms(
+    p_value: float, strength: float, agreement: float, numbers: Mapping[str, InstrumentNumber]
+) -> bool:
+    """Return whether the bias of least squares is significant and large enough to matter."""
+    if (
+        p_value >= AXIS_RULES.instrument_differs
+        or strength < AXIS_RULES.weak_instrument
+        or agreement < AXIS_RULES.instrument_differs
+    ):
+        return False
+    return any(_is_off(number) for name, number in numbers.items() if name != "viscous")
 
 
-def _is_off(ordinary: Estimate, instrumental: Estimate) -> bool:
+def _is_off(number: InstrumentNumber) -> bool:
     """Return whether the difference of two estimates is significant and large enough to matter.
 
     The variance of their difference is the difference of their variances (Hausman, 1978).
     """
-    apart = abs(instrumental.value - ordinary.value)
-    chance = np.sqrt(max(instrumental.error**2 - ordinary.error**2, 0.0))
-    matters = AXIS_RULES.instrument_matters * abs(ordinary.value)
+    apart = abs(number.instrumental - number.ordinary)
+    chance = np.sqrt(max(number.instrumental_se**2 - number.ordinary_se**2, 0.0))
+    matters = AXIS_RULES.instrument_matters * abs(number.ordinary)
     return bool(apart > max(matters, AXIS_RULES.instrument_errors * chance))
-
-
-def _stored(unit: str, instrumental: Estimate, ordinary: Estimate) -> InstrumentNumber:
-    return InstrumentNumber(
-        unit=unit,
-        ordinary=ordinary.value,
-        ordinary_se=ordinary.error,
-        instrumental=instrumental.value,
-        instrumental_se=instrumental.error,
-    )
 
 
 def instruments_of(log: EvenLog, test: TestFunction, centres: NDArray[np.intp]) -> Array:
@@ -206,8 +118,9 @@ def compared(
     columns: Array,
     instruments: Array,
     piece: Whole,
-    acting: Sequence[str] = (),
-) -> Compared | str:
+    acting: Mapping[str, str] = MappingProxyType({}),
+    units: Mapping[str, str] = UNITS,
+) -> Instrument | str:
     """Compare least squares with and without instruments, or return why that is not possible.
 
     Parameters
@@ -220,13 +133,12 @@ def compared(
         Instruments by :func:`instruments_of`, along the motion.
     piece : ndarray of int, shape (W,)
         Independent stretch of each window, ascending.
-    acting : sequence of str
-        Names of the effects of the last columns.
+    acting, units : mapping of str to str
+        By name, the units of the effects of the last columns, and of the law's numbers. Effects
+        whose columns earlier ones determine are left out, unless proportional to one of the law.
     """
-    kind: Literal["reference", "earlier motion"] = "earlier motion"
-    if np.isnan(instruments[:, 2:]).all():
-        kind = "reference"
-    own = instruments[:, : 2 if kind == "reference" else 4]
+    is_reference = bool(np.isnan(instruments[:, 2:]).all())
+    own = instruments[:, : 2 if is_reference else 4]
     kept = np.isfinite(own).all(axis=1)
     force, columns, own = force[kept], columns[kept], own[kept]
     groups = np.unique(piece[kept], return_inverse=True)[1]
@@ -240,26 +152,38 @@ def compared(
     excluded = np.column_stack([own, others])
     fitted = excluded @ _least_squares(excluded, moved)
     strength = min(_strength(moved, fitted, own, others, groups, place) for place in range(MOVED))
-    residual = moved - fitted
-    statistic, p_value = 0.0, 1.0  # if the instruments explain the motion completely
-    if np.linalg.norm(residual) > ALIKE * np.linalg.norm(moved):
-        statistic, p_value = _wald(force[:, None], residual, scaled, groups)
+    statistic, p_value = _differs(force, moved, fitted, scaled, groups)
     second = np.column_stack([fitted, others])
-    instrumental = _estimates(second, scaled, force, groups, widths)
-    ordinary = _estimates(scaled, scaled, force, groups, widths)
-    return Compared(
-        kind,
-        statistic,
-        p_value,
-        strength,
-        dict(zip(NAMES, instrumental, strict=False)),
-        dict(zip(NAMES, ordinary, strict=False)),
-        len(force),
-        {
-            name: (instrumental[place].over(ratio), ordinary[place].over(ratio))
-            for name, (place, ratio) in _places_of(acting, columns, chosen).items()
+    estimates = np.stack(
+        [_estimates(stage, scaled, force, groups, widths) for stage in (scaled, second)]
+    )
+    agreement = _agreement(own[:, MOVED:], second, scaled, force, groups)
+    numbers = {name: _number(estimates, units[name], place) for place, name in enumerate(UNITS)}
+    return Instrument(
+        kind="reference" if is_reference else "earlier motion",
+        statistic=statistic,
+        p_value=p_value,
+        strength=strength,
+        agreement=agreement,
+        windows=len(force),
+        alarms=_alarms(p_value, strength, agreement, numbers),
+        numbers=numbers,
+        effects={
+            name: _number(estimates, acting[name], *place)
+            for name, place in _places_of(tuple(acting), columns, chosen).items()
         },
-        _agreement(own[:, MOVED:], second, scaled, force, groups),
+    )
+
+
+def _number(estimates: Array, unit: str, place: int, ratio: float = 1.0) -> InstrumentNumber:
+    """Return least-squares and instrumental estimates of a column over a ratio."""
+    (ordinary, ordinary_se), (instrumental, instrumental_se) = estimates[:, :, place] / ratio
+    return InstrumentNumber(
+        unit=unit,
+        ordinary=ordinary,
+        ordinary_se=abs(ordinary_se),
+        instrumental=instrumental,
+        instrumental_se=abs(instrumental_se),
     )
 
 
@@ -305,7 +229,7 @@ def _of_the_law(columns: Array, acting: Sequence[str]) -> dict[str, tuple[int, f
     """
     places: dict[str, tuple[int, float]] = {}
     for name, column in zip(acting, columns.T[columns.shape[1] - len(acting) :], strict=True):
-        for place, own in enumerate(columns.T[: len(NAMES)]):
+        for place, own in enumerate(columns.T[: len(UNITS)]):
             size = float(own @ own)
             ratio = float(own @ column) / size if size else 0.0
             residual = float(np.linalg.norm(column - ratio * own))
@@ -367,6 +291,16 @@ def _wald(goal: Array, asked: Array, beside: Array, groups: Whole) -> tuple[floa
     return statistic, float(scipy.special.fdtrc(count, groups.max(), statistic))
 
 
+def _differs(
+    force: Array, moved: Array, fitted: Array, scaled: Array, groups: Whole
+) -> tuple[float, float]:
+    """Return F and p-value of the Durbin-Wu-Hausman test of least squares."""
+    residual = moved - fitted
+    if np.linalg.norm(residual) <= ALIKE * np.linalg.norm(moved):
+        return 0.0, 1.0  # the instruments explain the motion completely
+    return _wald(force[:, None], residual, scaled, groups)
+
+
 def _covariance(design: Array, residual: Array, groups: Whole) -> Array:
     """Return the clustered covariance of least squares, corrected for the number of groups."""
     count = int(groups.max()) + 1
@@ -376,12 +310,11 @@ def _covariance(design: Array, residual: Array, groups: Whole) -> Array:
 
 def _estimates(
     regressors: Array, columns: Array, force: Array, groups: Whole, widths: Array
-) -> list[Estimate]:
-    """Return the coefficients of a fit with their standard errors, in the columns' own units.
+) -> Array:
+    """Return coefficients of a fit and their standard errors, in the columns' own units, (2, k).
 
     Residuals are computed with the columns themselves, not with the regressors that replace them.
     """
     numbers = _least_squares(regressors, force)
     error = np.sqrt(np.diag(_covariance(regressors, force - columns @ numbers, groups)))
-    pairs = zip(numbers / widths, error / widths, strict=True)
-    return [Estimate(float(number), float(own)) for number, own in pairs]
+    return np.stack([numbers, error]) / widths

@@ -22,7 +22,7 @@ from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.single_axis.declared import beyond_limit, doubts
 from bayesfric.rigs.single_axis.entered_runs import LIKE_A_PULL, TURNS, EnteredRuns
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
-from bayesfric.rigs.single_axis.instruments import compared, without_clock
+from bayesfric.rigs.single_axis.instruments import UNITS, compared, without_clock
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.linear import LinearAxis
 from bayesfric.rigs.single_axis.mistakes import likely_mistakes
@@ -127,24 +127,22 @@ class AxisRuns(EnteredRuns):
         columns = np.column_stack(
             [
                 readings.acceleration,
-                rows.mean(readings.speed),
+                readings.mean_speed,
                 np.ones(readings.count),
                 *without_clock(rows.nuisance_columns(), others).T,
                 *others.values(),
             ]
         )
         inside = self.measures.limit.within(readings)
-        comparison = compared(
+        units = {candidate.effect.name: candidate.effect.amplitude.unit for candidate, _ in acting}
+        return compared(
             readings.force[inside],
             columns[inside],
             readings.instruments[inside],
             readings.piece[inside],
-            tuple(others),
+            {name: units[name] for name in others},
+            {name: self.measures.unit(unit) for name, unit in UNITS.items()},
         )
-        units = {candidate.effect.name: candidate.effect.amplitude.unit for candidate, _ in acting}
-        if isinstance(comparison, str):
-            return comparison
-        return comparison.stored(self.measures.unit, units)
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
