@@ -18,6 +18,7 @@ FRICTION_SHARE = 0.1  # least friction that is assumed for this, relative to the
 MOST = 120  # largest number of directions
 NO_LESS = 0.02  # least residual rms in a rough estimate, relative to the rms force
 ROUNDS = 3  # estimates of the residual rms
+ALL = slice(None)  # all windows
 
 
 @dataclass(frozen=True)
@@ -120,12 +121,12 @@ def leading(columns: Array, force: Array) -> tuple[Array, Mixing]:
     return left[:, :count] * size[:count], Mixing(right[:count], rms_left_out)
 
 
-def rough_amounts(law: Array, beside: Array, force: Array, inside: Flags) -> Array:
+def rough_amounts(law: Array, beside: Array, force: Array, inside: Flags | slice = ALL) -> Array:
     """Return a rough estimate of the forces beside the law, (W,); see :func:`rough_shares`."""
     return np.asarray(beside @ rough_shares(law, beside, force, inside))
 
 
-def rough_shares(law: Array, beside: Array, force: Array, inside: Flags) -> Array:
+def rough_shares(law: Array, beside: Array, force: Array, inside: Flags | slice = ALL) -> Array:
     """Return rough estimates of the amounts of forces beside the law, (K,).
 
     Parameters
@@ -136,7 +137,7 @@ def rough_shares(law: Array, beside: Array, force: Array, inside: Flags) -> Arra
         Force of each in each window, for an amount of 1; amounts have priors N(0, 1).
     force : ndarray, shape (W,)
         Force of the windows.
-    inside : ndarray of bool, shape (W,)
+    inside : ndarray of bool, shape (W,), or slice
         Windows that are used.
     """
     if not beside.shape[1]:

@@ -8,7 +8,7 @@ amounts the same windows determine roughly.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -67,13 +67,6 @@ class Carried:
     columns: tuple[str, ...]
     loads: Mapping[tuple[float, ...], Pull]
     others: Array
-
-    def beside_more(self, names: Sequence[str]) -> "Carried":
-        """Return the loads for windows with further forces beside the law, in amounts of 0.
-
-        The loads contain these forces already.
-        """
-        return replace(self, others=np.append(self.others, np.zeros(len(names))))
 
     def at(self, readings: Readings, table: pd.DataFrame) -> tuple[Array, Array]:
         """Return the static and the inertial part of the load at places inside each window.

@@ -14,7 +14,7 @@ from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog, even_grid, position_noise, smooth_motion
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.run_rows import SMOOTHED
-from bayesfric.rigs.single_axis.windows import pass_s, position_sd, sticking_share
+from bayesfric.rigs.single_axis.windows import pass_s, position_sd, sticking_share, stretches_of
 
 # Least samples of a pass: with fewer, few windows have a single direction.
 AT_EASE = 4 * AXIS_RULES.narrowest_at_turns
@@ -204,6 +204,4 @@ def _log(samples: pd.DataFrame) -> EvenLog | None:
 def _longest(log: EvenLog, noise: float) -> int:
     """Return the most consecutive samples with one known direction."""
     way = smooth_motion(log, SMOOTHED, noise)[2]
-    edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
-    lengths = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)
-    return int(lengths.max(initial=0))
+    return int(stretches_of(way)[0].max(initial=0))

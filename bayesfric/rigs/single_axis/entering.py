@@ -34,7 +34,6 @@ from bayesfric.rigs.single_axis.readings import (
     Readings,
     readings_of,
     rough_law_of,
-    with_lever,
 )
 from bayesfric.rigs.single_axis.rows import varied_columns
 from bayesfric.rigs.single_axis.servo import (
@@ -211,12 +210,17 @@ def _by_setup(readings: Readings, table: pd.DataFrame) -> Whole:
 def _with_lever(
     readings: Readings, measures: Measures, lever_n: float
 ) -> tuple[Readings, Measures]:
-    """Return windows and measures with the force of a weight on a lever, if there may be one."""
+    """Return windows and measures with the force of a weight on a lever, if there may be one.
+
+    The load of the gear contains this force already.
+    """
     if not lever_n:
         return readings, measures
     assert measures.carried is not None
-    carried = measures.carried.beside_more(LEVER)
-    return with_lever(readings, lever_n), replace(measures, carried=carried)
+    beside = np.column_stack([readings.beside, lever_n * readings.gravity_columns])
+    others = np.append(measures.carried.others, np.zeros(len(LEVER)))
+    carried = replace(measures.carried, others=others)
+    return replace(readings, beside=beside), replace(measures, carried=carried)
 
 
 def _may_have_weight(machine: Machine, logs: Sequence[EvenLog]) -> bool:

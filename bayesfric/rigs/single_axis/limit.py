@@ -110,10 +110,7 @@ def drive_limit(readings: Readings) -> Limit:
     """
     size = np.abs(readings.drive)
     toward = np.sign(readings.drive) * readings.way[:, None]
-    every = np.ones(readings.count, dtype=np.bool_)
-    force = readings.force - rough_amounts(
-        readings.law_columns, readings.beside, readings.force, every
-    )
+    force = readings.force - rough_amounts(readings.law_columns, readings.beside, readings.force)
     pull = pull_columns(readings.mean_position, readings.way)
     pull = pull[:, : max(0, readings.count // AXIS_RULES.rows_a_number - LINE)]
     line = np.column_stack(

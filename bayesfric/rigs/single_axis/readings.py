@@ -328,21 +328,6 @@ def _with_split_error(joined: dict[str, Array], log: EvenLog) -> Array:
     return np.column_stack([like_law, share - like_law, clock, beside[:, 1:]])
 
 
-def with_lever(rows: Readings, force: float) -> Readings:
-    """Return windows with two more forces beside the law: sine and cosine of the angle.
-
-    They are those of a weight on a lever.
-
-    Parameters
-    ----------
-    rows : Readings
-        Windows of a rotary joint.
-    force : float
-        Amplitude of the forces for amounts of 1 [N·m].
-    """
-    return replace(rows, beside=np.column_stack([rows.beside, force * rows.gravity_columns]))
-
-
 def _drive_path(
     path: Array, interval_s: float, test: TestFunction, centres: Whole, way: Array
 ) -> DrivePath:

@@ -113,7 +113,7 @@ class AxisRows(LaidRows):
     @property
     def friction_of_row(self) -> Array:
         """Friction of each window by the reference law, (W,) [N or N·m]."""
-        return np.asarray(self.law.coulomb + self.law.viscous * self.mean(self.readings.speed))
+        return np.asarray(self.law.coulomb + self.law.viscous * self.readings.mean_speed)
 
     @property
     def moved_mass(self) -> float:
@@ -134,11 +134,11 @@ class AxisRows(LaidRows):
         ones = np.ones(rows.count)
         own = {name: self.table[name].to_numpy(dtype=np.float64) for name in self.further}
         return {name: values[rows.trial] for name, values in own.items()} | {
-            "velocity": self.mean(rows.speed),
+            "velocity": rows.mean_speed,
             "tension": ones,
             "n_pulleys": ones,
             "wrap_angle": ones,
-            "displacement": self.mean(rows.position),
+            "displacement": rows.mean_position,
             "acceleration": rows.acceleration,
         }
 

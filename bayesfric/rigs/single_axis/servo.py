@@ -230,8 +230,7 @@ def pull_beside_payloads(readings: Readings) -> float:
     """
     pull = pull_columns(readings.mean_position, readings.way)
     law = np.column_stack([_law(readings)[:, :DELAY], pull])
-    every = np.ones(readings.count, dtype=np.bool_)
-    rest = readings.force - rough_amounts(law, readings.beside, readings.force, every)
+    rest = readings.force - rough_amounts(law, readings.beside, readings.force)
     numbers, _ = least_squares(law, rest, rcond=SINGULAR)
     size = float(np.mean((pull @ numbers[DELAY:]) ** 2))
     is_little = size < AXIS_RULES.pulled * float(np.mean(readings.force**2))
@@ -265,8 +264,7 @@ def with_open_stiffness(readings: Readings, servo: Servo) -> Readings:
     if not servo.open_by:
         return readings
     law = _law(readings)
-    every = np.ones(readings.count, dtype=np.bool_)
-    amounts = rough_shares(law, readings.beside, readings.force, every)
+    amounts = rough_shares(law, readings.beside, readings.force)
     rest = readings.force - readings.beside @ amounts
     numbers, _ = least_squares(law, rest, rcond=1e-9)
     held = (readings.known_held + readings.known_moved) @ readings.weights

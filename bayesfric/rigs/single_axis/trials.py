@@ -126,9 +126,7 @@ class AxisRuns(EnteredRuns):
                 others[candidate.effect.name] = column
         columns = np.column_stack(
             [
-                readings.acceleration,
-                readings.mean_speed,
-                np.ones(readings.count),
+                *readings.law_columns.T[[0, 2, 1]],
                 *without_clock(rows.nuisance_columns(), others).T,
                 *others.values(),
             ]

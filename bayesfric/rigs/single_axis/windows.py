@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import (
     EvenLog,
@@ -141,11 +141,15 @@ def sticking_share(logs: Sequence[EvenLog], noise: float) -> float:
 def _stretches(log: EvenLog, noise: float) -> tuple[Array, Array]:
     """Return the duration [s] and the direction of each pass."""
     way = smooth_motion(log, resolving(log, SMOOTHED, noise), noise)[2]
+    samples, ways = stretches_of(way)
+    return samples * log.interval_s, ways
+
+
+def stretches_of(way: Array) -> tuple[Whole, Array]:
+    """Return the number of samples and the direction of each stretch with one known direction."""
     edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
-    if edges.size < 2:
-        return np.zeros(0), np.zeros(0)
     ways = way[edges[:-1]]
-    return np.diff(edges)[ways != 0] * log.interval_s, ways[ways != 0]
+    return np.diff(edges)[ways != 0], ways[ways != 0]
 
 
 def joined(rows: Sequence[dict[str, Array]], name: str) -> Array:
