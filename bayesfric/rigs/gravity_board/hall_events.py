@@ -336,7 +336,7 @@ def reduce_events(
     pilot = pilot_of(table)
     fit = pilot_coefficients(table)
     residual = table.displacement - (table.regressors * fit[table.trial].T).sum(axis=0)
-    speed = pilot.first_speed[table.trial] + pilot.acceleration[table.trial] * table.tau
+    speed = table.speed(fit)
     late = late_column(table, speed) * clock_sd_s
     table = _beside(table, NUISANCES, scattered)
     prior = none_late(pilot.acceleration.size)

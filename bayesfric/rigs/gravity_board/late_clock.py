@@ -133,14 +133,23 @@ def clock_prior(events: Events, residual: Array, mean: Array) -> ClockPrior:
     # With the most likely offset subtracted, the prior adds no square that depends on the noise.
     whole[:, CLOCK, CLOCK] += scale2
     whole[:, CLOCK, -1] += scale2 * mean
-    size = np.sqrt(np.diagonal(whole, axis1=1, axis2=2))[:, :-1]
-    size = np.where(size > 0, size, 1.0)
-    gram = whole[:, :-1, :-1] / size[:, :, None] / size[:, None, :] + RIDGE * np.eye(size.shape[1])
+    unit, size = to_unit_diagonal(whole[:, :-1, :-1])
+    gram = unit + RIDGE * np.eye(size.shape[1])
     fit = np.linalg.solve(gram, (whole[:, :-1, -1] / size)[..., None])[..., 0] / size
     likely = np.where(seen, fit[:, CLOCK], mean)
     constant = 0.5 * np.log(scale2) * (1 - event_share) - 0.5 * event_share * LOG_2PI
     constant -= 0.5 * (mean - likely) ** 2
     return ClockPrior(False, True, likely, mean - likely, scale2, event_share, constant)
+
+
+def to_unit_diagonal(gram: Array) -> tuple[Array, Array]:
+    """Return matrices scaled to a unit diagonal, (N, R, R), and the scales, (N, R).
+
+    The scale of a column of zeros is 1.
+    """
+    size = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
+    size = np.where(size > 0, size, 1.0)
+    return np.asarray(gram / size[:, :, None] / size[:, None, :]), size
 
 
 def _noise(events: Events, whole: Array) -> tuple[float, Array]:
@@ -161,9 +170,7 @@ def _noise(events: Events, whole: Array) -> tuple[float, Array]:
         Precision of the scaled offset, given unknown coefficients of all other columns, times
         the variance of an event [m²].
     """
-    size = np.sqrt(np.diagonal(whole, axis1=1, axis2=2))
-    size = np.where(size > 0, size, 1.0)
-    unit = whole / size[:, :, None] / size[:, None, :]
+    unit, size = to_unit_diagonal(whole)
     inverse = np.linalg.inv(unit[:, :-1, :-1] + RIDGE * np.eye(unit.shape[-1] - 1))
     left = 1 - (unit[:, -1:, :-1] @ inverse @ unit[:, :-1, -1:])[:, 0, 0]
     freedom = events.total(np.ones_like(events.tau)) - (unit.shape[-1] - 1)

@@ -22,7 +22,7 @@ from bayesfric.errors import Fault
 from bayesfric.recording.consistency import MINIMUM_EVENTS
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.gravity_board.event_trains import EventTrains, event_trains, quadratic_fits
-from bayesfric.rigs.gravity_board.late_clock import SHIFT, clock_sd_s
+from bayesfric.rigs.gravity_board.late_clock import SHIFT, clock_sd_s, to_unit_diagonal
 from bayesfric.rigs.gravity_board.sensor_agreement import noise_variance
 
 FURTHEST = 5.0  # largest offset that a cable explains, in prior standard deviations
@@ -222,10 +222,10 @@ class _Padded:
         design = np.stack(columns, axis=-1)
         weighted = design * self.weight[..., None]
         gram = np.matmul(weighted.swapaxes(1, 2), design)
-        size = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
-        size = np.where(size > 0, size, 1.0)
-        gram = gram / size[:, :, None] / size[:, None, :] + RIDGE * np.eye(len(columns))
-        inverse = np.linalg.inv(gram) / size[:, :, None] / size[:, None, :]
+        unit, size = to_unit_diagonal(gram)
+        inverse = (
+            np.linalg.inv(unit + RIDGE * np.eye(len(columns))) / size[:, :, None] / size[:, None, :]
+        )
         right = np.matmul(weighted.swapaxes(1, 2), self.count[..., None])
         fit = np.matmul(inverse, right)
         square = (self.weight * (self.count - np.matmul(design, fit)[..., 0]) ** 2).sum(axis=1)

@@ -104,6 +104,10 @@ class Events:
         """Whether each row is of the drive sensor, and of the load sensor, shape (2, E)."""
         return np.asarray(self.regressors[:2] != 0)
 
+    def speed(self, fit: Array) -> Array:
+        """Return the speed at each event by coefficients of :func:`least_squares`, (E,) [m/s]."""
+        return np.asarray(fit[self.trial, 2] + fit[self.trial, 3] * self.tau)
+
     def total(self, values: Array) -> Array:
         """Return the sums of values (last axis) over the events of each trial."""
         return np.add.reduceat(values, self.starts, axis=-1)
@@ -184,7 +188,7 @@ def pilot_fits(events: pd.DataFrame, trial_ids: pd.Series) -> PilotFit:
 def pilot_of(table: Events) -> PilotFit:
     """Fit each trial's motion as :func:`pilot_fits` does, from sorted events."""
     fit = pilot_coefficients(table)
-    speed = fit[table.trial, 2] + fit[table.trial, 3] * table.tau
+    speed = table.speed(fit)
     residual = (table.regressors * fit[table.trial].T).sum(axis=0) - table.displacement
     freedom = table.tau.size - table.present.sum()
     return PilotFit(
@@ -198,5 +202,16 @@ def pilot_of(table: Events) -> PilotFit:
 
 def pilot_coefficients(table: Events) -> Array:
     """Return offsets, first speed and acceleration of each trial, shape (N, 4)."""
-    whole = table.normal_equations(np.ones((1, table.tau.size)), table.displacement)[0]
-    return np.asarray(np.linalg.solve(whole[:, :-1, :-1], whole[:, :-1, -1:])[..., 0])
+    return least_squares(table, np.ones(table.tau.size))
+
+
+def least_squares(table: Events, weight: Array, precision: Array | float = 0.0) -> Array:
+    """Return the coefficients of each trial's regressors by weighted least squares, (N, R).
+
+    Coefficients beyond the first four have normal priors around 0 with this precision [1/m²].
+    """
+    whole = table.normal_equations(weight[None], table.displacement)[0]
+    matrix, right = whole[:, :-1, :-1], whole[:, :-1, -1:]
+    for place in range(4, len(table.regressors)):
+        matrix[:, place, place] += precision
+    return np.asarray(np.linalg.solve(matrix, right)[..., 0])
