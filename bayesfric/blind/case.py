@@ -219,7 +219,7 @@ def run_case(case: BlindCase, folder: Path, analysis: Analysis) -> dict[str, Any
         "recording_sha256": recording.sha256,
     }
     place = folder / case.name
-    digest = seal(place, made.truth, public, case.seed)
+    seal(place, made.truth, public, case.seed)
     diagnosis = diagnose_sealed(recording, analysis.model_copy(update={"seed": case.seed}), place)
     gap, shrink, power = 0.0, None, None
     if case.effects:
@@ -230,8 +230,7 @@ def run_case(case: BlindCase, folder: Path, analysis: Analysis) -> dict[str, Any
         whole = CleanCase(clean().recording, analysis)
         shrink = whole.shrink([(cause.effect, cause.law) for cause in diagnosis.causes])
     scored = score(
-        public | {"envelope_sha256": digest},
-        open_envelope(place),
+        *open_envelope(place),
         diagnosis,
         gap=gap,
         true_shrink=shrink,

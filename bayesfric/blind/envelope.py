@@ -43,8 +43,8 @@ def seal(folder: Path, truth: dict[str, Any], public: dict[str, Any], seed: int)
     return digest
 
 
-def open_envelope(folder: Path) -> dict[str, Any]:
-    """Return the truth of a case.
+def open_envelope(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the public data and the truth of a case.
 
     Parameters
     ----------
@@ -69,8 +69,7 @@ def open_envelope(folder: Path) -> dict[str, Any]:
         expected = f"the envelope whose SHA-256 stands in {PUBLIC}, {promised}"
         fault = Fault(str(folder / ENVELOPE), expected, column="SHA-256", value=digest)
         raise InputError([fault])
-    truth: dict[str, Any] = json.loads(sealed)["truth"]
-    return truth
+    return public, json.loads(sealed)["truth"]
 
 
 def _text(record: dict[str, Any]) -> bytes:

@@ -125,17 +125,9 @@ def score_recording(
     }
     place = folder / CASES / f"user-{recording.sha256[:12]}"
     with writable(folder):
-        digest = seal(place, truth, public, analysis.seed)
+        seal(place, truth, public, analysis.seed)
     diagnosis = diagnose_sealed(recording, analysis, place)
-    scored = score(
-        public | {"envelope_sha256": digest},
-        open_envelope(place),
-        diagnosis,
-        gap=None,
-        true_shrink=None,
-        oracle_power=None,
-        effect_names=all_effects(),
-    )
+    scored = score(*open_envelope(place), diagnosis, effect_names=all_effects())
     campaign = Campaign("user", "user", "user", analysis.seed, planned=1)
     scorecard = scorecard_of([scored], campaign, analysis, recording_id(recording))
     replace_outputs(folder, {"scorecard.json": scorecard})

@@ -40,10 +40,10 @@ def score(
     truth: Mapping[str, Any],
     diagnosis: DiagnosisFile,
     *,
-    gap: float | None,
-    true_shrink: float | None,
-    oracle_power: float | None,
     effect_names: Collection[str],
+    gap: float | None = None,
+    true_shrink: float | None = None,
+    oracle_power: float | None = None,
 ) -> ScoredCase:
     """Compare a verdict with the truth.
 
@@ -63,6 +63,8 @@ def score(
         ``strength``, ``parameters`` and ``axes``.
     diagnosis : DiagnosisFile
         The verdict.
+    effect_names : collection of str
+        Effects that the diagnosis examines.
     gap : float or None
         Noise-free gap over rms friction, after the baseline is refitted; None if unknown, as
         for a user's recording.
@@ -70,8 +72,6 @@ def score(
         Share of the squared noise-free gap that the named causes remove; None if unknown.
     oracle_power : float or None
         Power of the best test that knows the withheld effects; None if unknown.
-    effect_names : collection of str
-        Effects that the diagnosis examines.
     """
     withheld: Sequence[Mapping[str, Any]] = truth["withheld"]
     names = [str(effect["name"]) for effect in withheld]

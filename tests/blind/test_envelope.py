@@ -16,7 +16,7 @@ def test_the_hash_in_the_public_file_is_that_of_the_sealed_one(tmp_path):
     assert hashlib.sha256((tmp_path / ENVELOPE).read_bytes()).hexdigest() == digest
     public = json.loads((tmp_path / PUBLIC).read_text())
     assert public == {"name": "a", "envelope_sha256": digest}
-    assert open_envelope(tmp_path) == TRUTH
+    assert open_envelope(tmp_path) == ({"name": "a", "envelope_sha256": digest}, TRUTH)
 
 
 def test_a_case_made_again_has_the_same_envelope_and_equal_answers_have_others(tmp_path):
