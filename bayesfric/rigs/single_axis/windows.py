@@ -142,7 +142,7 @@ def _stretches(log: EvenLog, noise: float) -> tuple[Array, Array]:
     """Return the duration [s] and the direction of each pass."""
     way = smooth_motion(log, resolving(log, SMOOTHED, noise), noise)[2]
     samples, ways = stretches_of(way)
-    return samples * log.interval_s, ways
+    return log.interval_s * samples.astype(np.float64), ways
 
 
 def stretches_of(way: Array) -> tuple[Whole, Array]:
