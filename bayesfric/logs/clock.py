@@ -54,7 +54,7 @@ class Stamps:
 
 
 def stamps_of(
-    cells: Sequence[str | None], unit: str, file: str, column: str, first_row: int = 2
+    cells: Sequence[str | None], unit: str, file: str, column: str, first_row: int
 ) -> Stamps:
     """Return the stamps of a column.
 

@@ -4,9 +4,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-import numpy as np
 import pandas as pd
 
 from bayesfric.errors import Fault, InputError
@@ -19,7 +18,7 @@ from bayesfric.logs.mapping_file import read_mapping
 from bayesfric.logs.readers import read_log
 from bayesfric.logs.robot import robot_of
 from bayesfric.logs.signals import Signals, joints_of, signals_of, wanted_columns
-from bayesfric.logs.table import Log, texts_of
+from bayesfric.logs.table import Log
 from bayesfric.recording.package import ForceIs
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 
@@ -55,15 +54,12 @@ class _Piece:
     value: str | None = None
 
 
-@dataclass(frozen=True)
-class _Cut:
-    """Runs, samples and notes of a piece."""
+class _Cut(NamedTuple):
+    """Samples of the runs of a piece, notes, and each joint's delay with its sentence."""
 
-    runs: list[dict[str, Any]]
     samples: list[pd.DataFrame]
     notes: list[str]
-    delays: list[str]
-    delay: Delay | None
+    delays: list[tuple[Delay | None, str]]
 
 
 def import_log(
@@ -94,22 +90,25 @@ def import_log(
     paths = [logs] if isinstance(logs, Path) else list(logs)
     what = mapping if isinstance(mapping, Mapping) else read_mapping(mapping)
     folder = (paths[0] if isinstance(mapping, Mapping) else mapping).parent
-    pieces, what = _by_joint(_pieces(paths, what), what)
-    joints = joints_of(pieces[0].log, what, joint)
-    windows = _runs_of(pieces, what)
+    pieces = _pieces(paths, what)
+    apart = [replace(piece, log=by_joint(piece.log, what)) for piece in pieces]
+    what = mapping_by_joint(what, pieces[0].log)
+    joints = joints_of(apart[0].log, what, joint)
+    runs_of_pieces = _runs_of(apart, what)
     cuts = [
         _cut_piece(piece, what, joints, runs)
-        for piece, runs in zip(pieces, windows, strict=True)
+        for piece, runs in zip(apart, runs_of_pieces, strict=True)
         if runs
     ]
-    rows = [row for piece in cuts for row in piece.runs]
+    rows = [_row(run) for runs in runs_of_pieces for run in runs]
     runs = pd.DataFrame(
         [{"run": row["run"], "order": order} | row for order, row in enumerate(rows, start=1)]
     )
     samples = pd.concat([frame for piece in cuts for frame in piece.samples], ignore_index=True)
     done = list(dict.fromkeys(note for piece in cuts for note in piece.notes))
-    notes = [*done, *dict.fromkeys(said for piece in cuts for said in piece.delays)]
-    delay = next((piece.delay for piece in cuts if piece.delay is not None), None)
+    delays = [of_joint for piece in cuts for of_joint in piece.delays]
+    notes = [*done, *dict.fromkeys(sentence for _, sentence in delays)]
+    delay = next((delay for delay, _ in delays if delay is not None), None)
     files = ", ".join(path.name for path in paths)
     whom = "Joints" if len(joints) > 1 else "Joint"
     names = ", ".join(label for label in joints if label is not None)
@@ -165,9 +164,8 @@ def _pieces(paths: list[Path], what: Mapping) -> list[_Piece]:
             pieces.append(_Piece(log, "whole" if len(paths) == 1 else called))
             continue
         prefix = "" if len(paths) == 1 else f"{called}-"
-        pieces += [
-            _Piece(part, f"{prefix}{_id(value)}", value) for value, part in _parts(log, what.run)
-        ]
+        parts = log.parted(what.run, MOST_RUNS, f"between 1 and {MOST_RUNS:,} runs")
+        pieces += [_Piece(part, f"{prefix}{_id(value)}", value) for value, part in parts.items()]
     names = [piece.name for piece in pieces]
     double = next((name for name in names if names.count(name) > 1), None)
     if double is not None:
@@ -175,31 +173,9 @@ def _pieces(paths: list[Path], what: Mapping) -> list[_Piece]:
     return pieces
 
 
-def _by_joint(pieces: list[_Piece], what: Mapping) -> tuple[list[_Piece], Mapping]:
-    """Return pieces in which each joint has columns of its own, and their mapping."""
-    apart = [replace(piece, log=by_joint(piece.log, what)) for piece in pieces]
-    return apart, mapping_by_joint(what, pieces[0].log)
-
-
 def _id(text: str) -> str:
     """Return a name for a run that is also a valid file name: letters, digits and dots."""
     return re.sub(r"[^\w.]+", "-", text).strip("-.") or "run"
-
-
-def _parts(log: Log, column: str | int) -> list[tuple[str, Log]]:
-    """Return the rows of each value of the column of runs, in the order of the log."""
-    name = log.name_of(column)
-    if name is None:
-        raise InputError([log.no_column(column)])
-    cells = texts_of(log.columns[name])
-    rows: dict[str, list[int]] = {}
-    for row, cell in enumerate(cells):
-        if cell is not None:
-            rows.setdefault(cell, []).append(row)
-    if not rows or len(rows) > MOST_RUNS:
-        expected = f"between 1 and {MOST_RUNS:,} runs"
-        raise InputError([Fault(log.name, expected, column=name, value=f"{len(rows):,}")])
-    return [(value, log.taken(np.array(places), len(cells))) for value, places in rows.items()]
 
 
 def _runs_of(pieces: list[_Piece], what: Mapping) -> list[list[Run]]:
@@ -245,7 +221,6 @@ def _cut_piece(
         for run in runs
     ]
     samples, delays, notes = [], [], {}
-    first_delay = None
     for joint, signals in of_joints.items():
         check_velocity(name, joint, signals.series)
         frames, done = cut(name, signals.series, windows, origin)
@@ -254,12 +229,12 @@ def _cut_piece(
                 frame.insert(2, "joint", joint)
         samples += frames
         notes[joint] = [*signals.notes, *done]
-        delay, said = _delay(signals)
-        first_delay = first_delay or delay
-        delays += [said if len(joints) == 1 or delay is None else f"{joint}: {said}"]
-    order = {window.run.name: place for place, window in enumerate(windows)}
+        delay, sentence = _delay(signals)
+        whose = "" if len(joints) == 1 or delay is None else f"{joint}: "
+        delays.append((delay, f"{whose}{sentence}"))
+    order = {run.name: place for place, run in enumerate(runs)}
     samples.sort(key=lambda frame: order[str(frame["run"].iloc[0])])
-    return _Cut([_row(run) for run in runs], samples, _together(notes), delays, first_delay)
+    return _Cut(samples, _together(notes), delays)
 
 
 def _row(run: Run) -> dict[str, Any]:

@@ -26,24 +26,8 @@ class Series:
     value: Array
 
 
-@dataclass(frozen=True)
-class Ordered:
-    """A quantity in order of time, with notes on the corrections.
-
-    Parameters
-    ----------
-    series : Series
-        The quantity, with increasing times.
-    notes : tuple of str
-        Clauses with counts.
-    """
-
-    series: Series
-    notes: tuple[str, ...]
-
-
 def unwrapped(
-    time_s: Array, first: float, periods_s: tuple[float, ...], first_row: int = 2
+    time_s: Array, first: float, periods_s: tuple[float, ...], first_row: int
 ) -> tuple[Array, tuple[str, ...]]:
     """Return the unwrapped times of a counter, and notes on the corrections.
 
@@ -86,8 +70,10 @@ def unwrapped(
     return time_s, ()
 
 
-def in_order(time_s: Array, value: Array, file: str, column: str, first_row: int = 2) -> Ordered:
-    """Return the numbers in order of time; of equal times, the first.
+def in_order(
+    time_s: Array, value: Array, file: str, column: str, first_row: int
+) -> tuple[Series, tuple[str, ...]]:
+    """Return the numbers in order of time (of equal times, the first), and clauses with counts.
 
     Parameters
     ----------
@@ -124,7 +110,7 @@ def in_order(time_s: Array, value: Array, file: str, column: str, first_row: int
             "left out"
         )
     series = Series(unique, value[there][kept])
-    return Ordered(series, (*notes, *_gap_notes(series)))
+    return series, (*notes, *_gap_notes(series))
 
 
 def gaps_of(series: Series) -> tuple[Array, Array]:

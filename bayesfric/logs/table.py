@@ -2,14 +2,14 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from bayesfric.arrays import Array, Whole
+from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError, near
 from bayesfric.recording.reading import LARGEST_FILE as LARGEST_FILE
 
@@ -53,6 +53,19 @@ class Log:
         names = list(self.columns)
         return names[column - 1] if 1 <= column <= len(names) else None
 
+    def named(self, column: str | int) -> str:
+        """Return the name of a column from its name or its number from 1.
+
+        Raises
+        ------
+        InputError
+            There is no such column.
+        """
+        name = self.name_of(column)
+        if name is None:
+            raise InputError([self.no_column(column)])
+        return name
+
     def no_column(self, column: str | int) -> Fault:
         """Return the fault of a column that does not exist, with the existing columns."""
         names = list(self.columns)
@@ -63,14 +76,42 @@ class Log:
         expected = f"one of {listed or 'its columns, but it has none'}{near(column, names)}"
         return Fault(self.name, expected, column=column)
 
-    def taken(self, rows: Whole, length: int) -> "Log":
-        """Return these rows of the columns that have this length, without the others."""
-        columns = {
-            name: cells[rows] if isinstance(cells, np.ndarray) else [cells[row] for row in rows]
-            for name, cells in self.columns.items()
-            if len(cells) == length
+    def parted(self, column: str | int, most: int, expected: str) -> dict[str, "Log"]:
+        """Return the rows of each text of a column, in the order of the log.
+
+        Columns that are not as long as this one are left out.
+
+        Parameters
+        ----------
+        column : str or int
+            Its name or number.
+        most : int
+            Largest number of different texts.
+        expected : str
+            What the texts are, for an error.
+
+        Raises
+        ------
+        InputError
+            There is no such column, it is blank, or it has more texts.
+        """
+        name = self.named(column)
+        cells = texts_of(self.columns[name])
+        rows: dict[str, list[int]] = {}
+        for row, cell in enumerate(cells):
+            if cell is not None and cell.strip():
+                rows.setdefault(cell.strip(), []).append(row)
+        if not 1 <= len(rows) <= most:
+            raise InputError([Fault(self.name, expected, column=name, value=f"{len(rows):,}")])
+        columns = {key: own for key, own in self.columns.items() if len(own) == len(cells)}
+        return {
+            text: replace(self, columns={key: _some(own, of) for key, own in columns.items()})
+            for text, of in rows.items()
         }
-        return Log(self.name, columns, self.first_row, self.notes, self.units)
+
+
+def _some(cells: Cells, rows: list[int]) -> Cells:
+    return cells[rows] if isinstance(cells, np.ndarray) else [cells[row] for row in rows]
 
 
 @contextmanager
