@@ -12,6 +12,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import wraps
+from itertools import chain
 from types import FrameType
 from typing import ParamSpec
 
@@ -23,17 +24,6 @@ from bayesfric.errors import Fault, InputError, one_of
 
 P = ParamSpec("P")
 SHOWN_FAULTS = 50
-FAILURES = (
-    "refuted",
-    "unconverged",
-    "attention",
-    "gap",
-    "undecided",
-    "spec",
-    "changed",
-    "uncalibrated",
-)
-"""What ``--fail-on`` can name."""
 CAN_HAPPEN = {
     "run": ("refuted", "unconverged", "attention", "gap", "undecided", "spec"),
     "simulate": (),
@@ -46,7 +36,9 @@ CAN_HAPPEN = {
     "compare": ("changed",),
     "rerun": ("changed",),
 }
-"""Which of them each verb can have."""
+"""What can happen in each verb that ``--fail-on`` can name."""
+FAILURES = tuple(dict.fromkeys(chain.from_iterable(CAN_HAPPEN.values())))
+"""What ``--fail-on`` can name in any verb."""
 VERDICT_FAILURES = {
     "named": {"gap"},
     "unseparated": {"gap"},
@@ -54,6 +46,7 @@ VERDICT_FAILURES = {
     "undecided": {"undecided"},
     "no-gap": set[str](),
 }
+"""Which of :data:`FAILURES` each verdict of a diagnosis is."""
 
 
 def exit_status(verb: Callable[P, set[str] | None]) -> Callable[P, None]:
@@ -164,18 +157,18 @@ def check_fail_on(names: str, verb: str) -> None:
         A name is unknown.
     """
     given = sorted(_names_of(names))
-    unknown = [name for name in given if name not in FAILURES]
-    if unknown:
-        raise InputError(
-            [
-                Fault("command line", one_of(FAILURES, name), column="--fail-on", value=name)
-                for name in unknown
-            ]
-        )
+    faults = [
+        Fault("command line", one_of(FAILURES, name), column="--fail-on", value=name)
+        for name in given
+        if name not in FAILURES
+    ]
+    if faults:
+        raise InputError(faults)
+    can_happen = ", ".join(CAN_HAPPEN[verb]) or "none of them"
     for name in given:
         if name not in CAN_HAPPEN[verb]:
-            said = f"--fail-on {name} never happens in `{verb}`, which can report: {_listed(verb)}"
-            say(f"note: {said}", err=True)
+            note = f"--fail-on {name} never happens in `{verb}`, which can report: {can_happen}"
+            say(f"note: {note}", err=True)
 
 
 def fail_on(names: str, happened: set[str]) -> None:
@@ -196,14 +189,5 @@ def fail_on(names: str, happened: set[str]) -> None:
         raise typer.Exit(1)
 
 
-def _listed(verb: str) -> str:
-    return ", ".join(CAN_HAPPEN[verb]) or "none of them"
-
-
 def _names_of(names: str) -> set[str]:
     return {name.strip() for name in names.split(",") if name.strip()}
-
-
-def failures_of(verdict: str) -> set[str]:
-    """Return which of :data:`FAILURES` a verdict of a diagnosis is."""
-    return VERDICT_FAILURES[verdict]

@@ -1,8 +1,7 @@
 """``bayesfric margins``: what the uncertainty of friction does to controllers."""
 
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -17,13 +16,6 @@ if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
     from bayesfric.schemas.loop_runs import Verification
     from bayesfric.schemas.margins import LoopMargins, Metric
-
-
-class LawName(StrEnum):
-    """Laws that margins can be of."""
-
-    fitted = "fitted"
-    refitted = "refitted"
 
 
 MEASURE_THAT = ": measure that."  # ends what an answer says of the number that it rests on most
@@ -42,7 +34,7 @@ Diagnosis = Annotated[
     ),
 ]
 Law = Annotated[
-    LawName | None,
+    Literal["fitted", "refitted"] | None,
     options.switch(
         "--law",
         "refitted: the law with the causes that the diagnosis names; fitted: the law alone. "
@@ -119,7 +111,7 @@ def margins(
             output,
             analysis,
             diagnosis=diagnosis,
-            law=None if law is None else law.value,
+            law=law,
             verify=verify,
             tune=tune,
             ensembles=ensembles,
