@@ -162,12 +162,13 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
         return Belief(
             column, "time", "s", "its cells are stamps, which say their unit", shown, rows
         )
-    numbers = _numbers(log, column, few)
+    numbers = first_numbers(log, column)
     if (why := _names_joints(column, few)) is not None:
         shown = shorten(", ".join(dict.fromkeys(texts)), LONGEST, placeholder=" …")
         return Belief(column, "joint", None, why, shown, rows)
     if numbers is None:
         return Belief(column, None, None, "its cells are no numbers", texts[0][:40], rows)
+    numbers = numbers[np.isfinite(numbers)]
     shown = f"{numbers.min():.6g} to {numbers.max():.6g}"
     if rows > len(few):
         shown += f" in the first {len(few):,}"
@@ -203,12 +204,12 @@ def _names_joints(column: str, cells: Cells) -> str | None:
     return None
 
 
-def _numbers(log: Log, column: str, cells: Cells) -> Array | None:
+def first_numbers(log: Log, column: str) -> Array | None:
+    """Return the first numbers of a column, NaN for blank cells; None if cells are no numbers."""
     faults: list[Fault] = []
-    part = Log(log.name, {column: cells}, log.first_row)
+    part = Log(log.name, {column: log.columns[column][:ROWS]}, log.first_row)
     numbers = numbers_of(part, column, faults)
-    numbers = numbers[np.isfinite(numbers)]
-    return None if faults or not numbers.size else numbers
+    return None if faults or not np.isfinite(numbers).any() else numbers
 
 
 def name_of_joint(column: str) -> str:

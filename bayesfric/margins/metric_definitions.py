@@ -78,6 +78,11 @@ HUNTS = "limit_cycle_probability"
 """Name of a miss of ``spec.limit_cycle_probability_max``."""
 
 
+def full_name(metric: Metric) -> str:
+    """Return the name of a metric as ``missed_specs`` has it, with its direction if it has one."""
+    return " ".join(filter(None, (metric.name, metric.direction)))
+
+
 def missed_specs(metrics: Sequence[Metric], hunts: float, spec: Spec) -> tuple[str, ...]:
     """Return the specs that a loop misses with a probability above its file's limit.
 
@@ -98,7 +103,7 @@ def missed_specs(metrics: Sequence[Metric], hunts: float, spec: Spec) -> tuple[s
         Names of metrics, followed by the direction for an open run; :data:`HUNTS` for hunting.
     """
     missed = [
-        " ".join(filter(None, (metric.name, metric.direction)))
+        full_name(metric)
         for metric in metrics
         if metric.spec is not None
         and metric.name != "gamma_hunting"  # hunting has a spec of its own

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from bayesfric.margins.metric_definitions import HUNTS
+from bayesfric.margins.metric_definitions import HUNTS, full_name
 from bayesfric.probabilities import stated_of_draws
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.margins import GammaProbability, LoopMargins, Metric, Tuning
@@ -88,11 +88,6 @@ def is_missed(loop: LoopMargins, metric: Metric) -> bool:
     name = full_name(metric)
     own = HUNTS if metric.name == "gamma_hunting" else name
     return metric.spec is not None and bool({name, own} & {*(loop.missed_specs or ())})
-
-
-def full_name(metric: Metric) -> str:
-    """Return the name of a metric as ``missed_specs`` has it, with its direction if it has one."""
-    return " ".join(filter(None, (metric.name, metric.direction)))
 
 
 def safe_up_to(loop: LoopMargins) -> str | None:

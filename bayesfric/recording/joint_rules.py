@@ -19,6 +19,12 @@ def joint_of_run(samples: Table) -> list[str]:
     return [name for name in ("run", "joint") if samples.has(name)]
 
 
+def number_of_clock(samples: Table) -> "pd.Series[int]":
+    """Return the number of the run and joint of each sample, shape (N,)."""
+    keys = joint_of_run(samples)
+    return samples.frame.groupby(keys, sort=False, observed=True).ngroup()
+
+
 def faults_of_samples(tables: Mapping[str, Table], rig: RigConstants) -> list[Fault]:
     """Return the faults of samples that contradict each other or the machine.
 
@@ -86,7 +92,6 @@ def _backwards(samples: Table, column: str) -> list[Fault]:
     if not samples.has(column):
         return []
     clock = samples.frame[column]
-    keys: list[pd.Series] = [samples.frame[name] for name in joint_of_run(samples)]
-    before = clock.groupby(keys, sort=False, observed=True).shift()
+    before = clock.groupby(number_of_clock(samples), sort=False).shift()
     expected = f"at least the {column} before it, within a {' and '.join(joint_of_run(samples))}"
     return samples.faults_where(np.asarray(clock < before), column, expected)

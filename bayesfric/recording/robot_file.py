@@ -57,12 +57,18 @@ def _keep(files: dict[str, bytes], name: str, content: bytes, model: str) -> Non
 
 def _parsed(content: bytes) -> Element | None:
     """Return the root element; None if the file is faulty, which is reported elsewhere."""
+    root = _root_or_why(content)
+    return None if isinstance(root, str) else root
+
+
+def _root_or_why(content: bytes) -> Element | str:
+    """Return the root element, or what is expected of a faulty file instead."""
     if b"<!DOCTYPE" in content or b"<!ENTITY" in content:  # an entity may be endless
-        return None
+        return "a model without a document type or entities of its own"
     try:
         return ElementTree.fromstring(content)
-    except (ElementTree.ParseError, ValueError, LookupError):
-        return None
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        return f"XML that parses ({error})"
 
 
 def _meshes(folder: str, roots: Sequence[Element]) -> Iterator[str]:
@@ -94,12 +100,9 @@ def faults_of_model(robot: Robot) -> list[Fault]:
     if len(content) > LARGEST_MODEL:
         expected = f"a model of at most {LARGEST_MODEL:,} bytes"
         return [Fault(file, expected, value=f"{len(content):,} bytes")]
-    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:  # an entity may be endless
-        return [Fault(file, "a model without a document type or entities of its own")]
-    try:
-        root = ElementTree.fromstring(content)
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        return [Fault(file, f"XML that parses ({error})")]
+    root = _root_or_why(content)
+    if isinstance(root, str):
+        return [Fault(file, root)]
     if root.tag not in ("robot", "mujoco"):
         expected = "URDF, whose first element is robot, or MJCF, whose first is mujoco"
         return [Fault(file, expected, row=1, value=root.tag)]
