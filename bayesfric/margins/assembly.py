@@ -132,7 +132,7 @@ def draw_assembly(
     InputError
         A pulley size of the loop is not in the draws.
     """
-    _refuse_sizes(loop, posterior)
+    refuse_sizes(loop, posterior)
     n = posterior.count
 
     def generator(key: str) -> np.random.Generator:
@@ -168,7 +168,7 @@ def draw_assembly(
     return Assembly(coefficients, factor, factor_of_c2, numbers, tuple(uncertain), acting)
 
 
-def _refuse_sizes(loop: Loop, posterior: Posterior) -> None:
+def refuse_sizes(loop: Loop, posterior: Posterior) -> None:
     """Raise for runs over pulleys of a size that is not in the draws."""
     sizes = set(posterior.coefficients)
     faults = [

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from bayesfric.analysis import Analysis
 from bayesfric.attention.margins import of_margins
 from bayesfric.errors import Fault, InputError
-from bayesfric.margins.assembly import draw_assembly, nominal_assembly
+from bayesfric.margins.assembly import nominal_assembly, refuse_sizes
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.ensemble import Ensemble
 from bayesfric.margins.following import needs_motion
@@ -228,9 +228,7 @@ def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
 
 def _refuse_unstable(loop: Loop, posterior: Posterior, moves: bool) -> None:
     """Raise if the median loop is unstable, unless the file says that it relies on friction."""
-    sizes = {run.pulley_size for _, run in loop.every_run} - set(posterior.coefficients)
-    if sizes:  # draw_assembly raises with the place in the file
-        draw_assembly(loop, posterior, RigDiscrepancy(0.0, ""), 0)
+    refuse_sizes(loop, posterior)
     shaft = at_shaft(loop, nominal_assembly(loop, posterior))
     unknown = [*refused(loop, posterior), *(needs_motion(shaft) if moves else ())]
     if unknown:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.margins.loop_file import Spec
 from bayesfric.schemas.margins import Metric
 
@@ -30,6 +31,10 @@ class Rule:
     sense: Literal["at least", "at most"]
     spec: str = ""
     note: str = ""
+
+    def misses(self, value: Array, spec: float) -> Flags:
+        """Return where values miss a spec; an unknown value, NaN, counts as missed."""
+        return ~(value >= spec) if self.sense == "at least" else ~(value <= spec)
 
 
 RULES = (

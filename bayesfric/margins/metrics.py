@@ -193,8 +193,7 @@ def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, F
         for (name, direction), value in values.items():
             if name != rule.name or spec is None:
                 continue
-            # an unknown value, NaN, counts as missed
-            beyond = ~(value >= spec) if rule.sense == "at least" else ~(value <= spec)
+            beyond = rule.misses(value, spec)
             slack = ~shaft.taut if name in TAUT else np.zeros_like(beyond)
             missed[" ".join(filter(None, (name, direction)))] = np.asarray(beyond | slack)
     return missed

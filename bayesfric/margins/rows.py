@@ -142,9 +142,7 @@ def _probability_of_violation(
     """Return the probability that a spec is missed; draws in which a side goes slack miss it."""
     if spec is None:
         return None
-    # an unknown value, NaN, counts as missed
-    below = hunting.now if rule.name == "gamma_hunting" else ~(value >= spec)
-    violated = below if rule.sense == "at least" else ~(value <= spec)
+    violated = hunting.now if rule.name == "gamma_hunting" else rule.misses(value, spec)
     return float((violated.sum() + slack) / (violated.size + slack))
 
 

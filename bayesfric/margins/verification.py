@@ -18,7 +18,7 @@ from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.rows import interval_of
-from bayesfric.margins.scanning import REST, run
+from bayesfric.margins.scanning import REST, run, speeds_and_kicks
 from bayesfric.margins.simulating import simulate
 from bayesfric.margins.swing import LoopMotion
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
@@ -101,8 +101,7 @@ def _thresholds(some: LoopAtShaft, hunting: Hunting, places: Whole) -> tuple[Arr
     usual = int(np.bincount(decided).argmax()) if decided.size else 0
     own = np.where(own >= 0, own, usual)
     draws = np.arange(own.size)
-    speed = np.array([condition.speed_of(some) for condition in conditions])[own, draws]
-    kick = np.array([condition.kick_of(some) for condition in conditions])[own, draws]
+    speed, kick = (of_all[own, draws] for of_all in speeds_and_kicks(some, conditions))
     predicted = hunting.threshold[places]
     top = np.where(np.isfinite(predicted), predicted, GAMMA_MAX / SHARES[-1])
     wanted = run_length(some.sampled(), speed).wanted
