@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
     from bayesfric.schemas.loop_runs import Verification
     from bayesfric.schemas.margins import LoopMargins, Metric
-
-
-MEASURE_THAT = ": measure that."  # ends what an answer says of the number that it rests on most
 Loops = Annotated[
     list[Path] | None, typer.Argument(help="Loop files (docs/loop.md), or names of bundled loops.")
 ]
@@ -210,11 +207,11 @@ def _called(name: str, direction: str) -> str:
 
 def _answer(answer: str, *, verbose: bool) -> str:
     """Return an answer; without `verbose`, its verdict, and what it rests on most or too few."""
-    from bayesfric.margins.terms import FEW_DRAWS
+    from bayesfric.margins.terms import FEW_DRAWS, MEASURE_IT
     from bayesfric.report.words import sentences
 
     verdict, *others = sentences(answer)
-    kept = [line for line in others if verbose or FEW_DRAWS in line or line.endswith(MEASURE_THAT)]
+    kept = [line for line in others if verbose or FEW_DRAWS in line or line.endswith(MEASURE_IT)]
     return " ".join([verdict, *kept])
 
 

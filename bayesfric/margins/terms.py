@@ -13,6 +13,8 @@ HALF_A_DRAW = float(np.sqrt(0.5))
 """Monte Carlo error of a property that none or all of n draws have: this over n."""
 FEW_DRAWS = "so that they bound it"
 """Part of the sentence that says that a safe gain rests on too few draws."""
+MEASURE_IT = ": measure it."
+"""End of the sentence on the number to which a result is most sensitive."""
 NORMAL_WIDTH = 3.29
 """Distance from the 5 to the 95 % quantile of a normal, in standard deviations."""
 TURNED: Mapping[str, tuple[str, Callable[[float], float]]] = {

@@ -7,7 +7,7 @@ import pandas as pd
 
 from bayesfric.errors import Fault, near
 from bayesfric.recording.cells import Table
-from bayesfric.recording.package import PACKAGE_FILE
+from bayesfric.recording.package import fault_of_key
 from bayesfric.recording.robot_file import faults_of_joints
 from bayesfric.recording.tables import RigConstants
 
@@ -57,15 +57,9 @@ def _mass(rig: RigConstants) -> list[Fault]:
     if rig.mass_sd_kg is None or (rig.moving_mass_kg or 0.0) >= rig.mass_sd_kg:
         return []
     if rig.moving_mass_kg is None:
-        return [
-            Fault(PACKAGE_FILE, "this key, whose error mass_sd_kg is", None, _of("moving_mass_kg"))
-        ]
+        return [fault_of_key("rig.moving_mass_kg", "this key, whose error mass_sd_kg is")]
     expected = f"at most moving_mass_kg, {rig.moving_mass_kg:g} (is it in grams, or percent?)"
-    return [Fault(PACKAGE_FILE, expected, None, _of("mass_sd_kg"), f"{rig.mass_sd_kg:g}")]
-
-
-def _of(key: str) -> str:
-    return f"rig.{key}"
+    return [fault_of_key("rig.mass_sd_kg", expected, f"{rig.mass_sd_kg:g}")]
 
 
 def _no_force(samples: Table) -> list[Fault]:

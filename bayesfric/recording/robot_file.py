@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element
 
 from bayesfric.errors import Fault, InputError, near
 from bayesfric.link_shapes import weightless_shapes
-from bayesfric.recording.package import PACKAGE_FILE
+from bayesfric.recording.package import fault_of_key
 from bayesfric.recording.tables import Robot
 
 LARGEST_MODEL = 16 * 1024**2  # bytes; the model of an arm, without meshes, has a few kilobytes
@@ -130,11 +130,10 @@ def _joints(robot: Robot, root: Element) -> list[Element]:
 def _unknown(joints: Mapping[str, str], names: Collection[str], file: str) -> list[Fault]:
     listed = ", ".join(list(names)[:NAMED]) + (", …" if len(names) > NAMED else "")
     return [
-        Fault(
-            PACKAGE_FILE,
+        fault_of_key(
+            f"rig.robot.joints.{joint}",
             f"a joint of {file} ({listed or 'it has none'}){near(name, names)}",
-            column=f"rig.robot.joints.{joint}",
-            value=name,
+            name,
         )
         for joint, name in joints.items()
         if name not in names
@@ -156,13 +155,9 @@ def faults_of_joints(robot: Robot, joints: Collection[str] | None) -> list[Fault
         if len(robot.joints) == 1:
             return []
         expected = "one joint, since axis_samples.csv has no column joint"
-        return [Fault(PACKAGE_FILE, expected, column=column, value=", ".join(robot.joints))]
+        return [fault_of_key(column, expected, ", ".join(robot.joints))]
     return [
-        Fault(
-            PACKAGE_FILE,
-            "this joint's name in the model",
-            column=f"{column}.{joint}",
-        )
+        fault_of_key(f"{column}.{joint}", "this joint's name in the model")
         for joint in joints
         if joint not in robot.joints
     ]
