@@ -10,7 +10,7 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault
-from bayesfric.logs.clock import CLOCK, ISO
+from bayesfric.logs.clock import is_stamp
 from bayesfric.logs.mapping import CsvForm
 from bayesfric.logs.readers.csv import lines_of, split
 from bayesfric.logs.spelling import (
@@ -133,11 +133,9 @@ def _usual_width(cells: list[list[str]]) -> int:
 
 def _is_data(cells: list[str]) -> bool:
     """Return whether a line has only numbers, stamps and blanks, or nearly so."""
-    numbers = sum(bool(NUMBER.fullmatch(cell.strip())) for cell in cells)
-    stamps = sum(
-        bool(CLOCK.fullmatch(cell.strip()) or ISO.fullmatch(cell.strip())) for cell in cells
-    )
-    return numbers + stamps > len(cells) / 2
+    texts = [cell.strip() for cell in cells]
+    data = sum(bool(NUMBER.fullmatch(text)) or is_stamp(text) for text in texts)
+    return data > len(cells) / 2
 
 
 def _has_commas(lines: list[list[str]]) -> bool:
@@ -157,7 +155,7 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
     texts = [text for text in texts_of(few) if text]
     if not texts:
         return Belief(column, None, None, "it is blank", "nothing", rows)
-    if CLOCK.fullmatch(texts[0]) or ISO.fullmatch(texts[0]):
+    if is_stamp(texts[0]):
         shown = f"{texts[0]} to {texts[-1]}"
         return Belief(
             column, "time", "s", "its cells are stamps, which say their unit", shown, rows

@@ -235,10 +235,9 @@ def numbers_of(log: Log, column: str, faults: list[Fault]) -> Array:
     cells = log.columns[column]
     if isinstance(cells, np.ndarray) and cells.dtype.kind in "fiub":
         numbers = _in_doubles(cells)
-        wrong = np.flatnonzero(np.isinf(numbers))
     else:
-        numbers = np.array([_number(cell) for cell in cells], dtype=np.float64)
-        wrong = np.flatnonzero(np.isinf(numbers))
+        numbers = np.array([number_of(cell) for cell in cells], dtype=np.float64)
+    wrong = np.flatnonzero(np.isinf(numbers))
     if wrong.size:
         place, like = int(wrong[0]), int(wrong.size) - 1
         value = str(cells[place])
@@ -260,7 +259,7 @@ def _in_doubles(cells: npt.NDArray[Any]) -> Array:
     return np.where(decimals.astype(cells.dtype) == cells, decimals, doubles)
 
 
-def _number(cell: str | None) -> float:
+def number_of(cell: str | None) -> float:
     """Return the number of a cell, NaN for a blank cell and infinity for other text."""
     text = "" if cell is None else str(cell).strip()
     if text.lower() in BLANK:
