@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from bayesfric.cli import options
+from bayesfric.cli.asked import Asked
 from bayesfric.cli.exits import exit_status
 from bayesfric.cli.locks import hold
 from bayesfric.cli.new_file import write_new
@@ -13,7 +14,6 @@ from bayesfric.cli.printing import say, say_attention
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
-    from bayesfric.analysis import Analysis
     from bayesfric.schemas.loop_runs import Verification
     from bayesfric.schemas.margins import LoopMargins, Metric
 Loops = Annotated[
@@ -100,21 +100,19 @@ def margins(
         loop_path(loop)
     if mat is not None:
         checked_name(mat)
-    analysis = read_analysis(config, seed=seed)
+    asked = Asked(read_analysis(config, seed=seed), quiet=quiet, verbose=verbose)
     with hold(output, "margins"):
         return margins_into(
             loops,
             draws,
             output,
-            analysis,
+            asked,
             diagnosis=diagnosis,
             law=law,
             verify=verify,
             tune=tune,
             ensembles=ensembles,
             mat=mat,
-            quiet=quiet,
-            verbose=verbose,
         )
 
 
@@ -122,32 +120,30 @@ def margins_into(
     loops: list[Path],
     draws: Path,
     output: Path,
-    analysis: "Analysis",
+    asked: Asked,
     *,
     mat: Path | None = None,
-    quiet: bool,
-    verbose: bool = False,
-    **asked: Any,
+    **computed_with: Any,
 ) -> set[str]:
     """Compute margins, write and print them; return what happened that ``--fail-on`` can name."""
     from bayesfric.margins import compute_margins
     from bayesfric.margins.matlab import write_mat
 
-    with stage("computing margins", quiet=quiet) as progress:
-        computed = compute_margins(loops, draws, analysis, progress=progress, **asked)
+    with stage("computing margins", quiet=asked.quiet) as progress:
+        computed = compute_margins(loops, draws, asked.analysis, progress=progress, **computed_with)
     computed.write(output)
     if mat is not None:
         write_mat(mat, computed.ensembles)
     if computed.summary.law is not None:
         _say_sentences(computed.summary.law.sentence)
-    happened = say_attention(computed.summary.attention, quiet=quiet)
+    happened = say_attention(computed.summary.attention, quiet=asked.quiet)
     for loop in computed.summary.loops:
-        _say_loop(loop, verbose=verbose)
+        _say_loop(loop, verbose=asked.verbose)
         believed = loop.with_effects or loop
         if believed.missed_specs:
             happened.add("spec")
-        if not quiet:
-            _say_warnings(loop, verbose=verbose)
+        if not asked.quiet:
+            _say_warnings(loop, verbose=asked.verbose)
     return happened
 
 

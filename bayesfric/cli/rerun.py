@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bayesfric.cli import options
+from bayesfric.cli.asked import Asked
 from bayesfric.cli.claims import claims_into
 from bayesfric.cli.diagnose import diagnose_into, diagnosed
 from bayesfric.cli.exits import exit_status
@@ -88,30 +89,16 @@ def _repeat(
     for name, record in records.items():
         settings = _settings(record, name)
         if isinstance(record, FitFile):
-            fit_into(
-                sources,
-                again,
-                settings,
-                rigs=list(record.rigs),
-                baseline=record.baseline,
-                quiet=quiet,
-            )
+            fit_into(sources, again, Asked(settings, record.rigs, record.baseline, quiet))
         elif isinstance(record, ClaimsFile):
-            claims_into(
-                sources[0],
-                again,
-                settings,
-                executor,
-                rigs=list(record.rigs) or None,
-                baseline=record.baseline,
-                quiet=quiet,
-            )
+            asked = Asked(settings, record.rigs or None, record.baseline, quiet)
+            claims_into(sources[0], again, asked, executor)
         elif isinstance(record, DiagnosisFile):
             compute = _diagnosing(record, sources[0], again, settings, executor, quiet)
             diagnose_into(again, compute, quiet=quiet)
         elif isinstance(record, MarginsFile) and "fit.json" in records:
             loops = [folder / path for path in inputs.get("loops", ())]
-            _repeat_margins(record, again, settings, loops, quiet)
+            _repeat_margins(record, again, Asked(settings, quiet=quiet), loops)
 
 
 def _diagnosing(
@@ -142,9 +129,7 @@ def _diagnosing(
     )
 
 
-def _repeat_margins(
-    stored: "MarginsFile", again: Path, settings: "Analysis", loops: list[Path], quiet: bool
-) -> None:
+def _repeat_margins(stored: "MarginsFile", again: Path, asked: Asked, loops: list[Path]) -> None:
     """Compute margins over the new draws, with what the stored ones were asked for."""
     from bayesfric.analysis import settings_sha256
     from bayesfric.margins import read_loop
@@ -166,13 +151,12 @@ def _repeat_margins(
         [path_of_loop[loop.loop_sha256] for loop in stored.loops],
         again / "draws.nc",
         again,
-        settings,
+        asked,
         diagnosis=again / "diagnosis.json" if diagnosed else None,
         law=used,
         verify=max(loop.verification.draws if loop.verification else 0 for loop in stored.loops),
         tune=any(loop.tuning is not None for loop in stored.loops),
         ensembles=any(loop.following is not None for loop in stored.loops),
-        quiet=quiet,
     )
 
 

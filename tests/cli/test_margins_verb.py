@@ -159,7 +159,7 @@ def test_fail_on_spec(folder, tmp_path, metres, status):
 def test_fail_on_spec_of_a_run(folder, tmp_path, monkeypatch, metres, status):
     """The verbs before the margins stand still: they have tests of their own."""
 
-    def fitted(recording, output, analysis, **options):
+    def fitted(recording, output, asked, **options):
         write_draws(output / "draws.nc", n=200)
         (output / "timings.json").write_bytes(json_bytes(TimingsFile(seconds={})))
         return set()
