@@ -10,15 +10,14 @@ from typing import NamedTuple
 import numpy as np
 
 from bayesfric.arrays import Array
-from bayesfric.errors import Fault, InputError, near
+from bayesfric.errors import Fault, InputError, first_of, near
 from bayesfric.logs.clock import DECIMALS, Stamps, seconds_since, stamps_of
 from bayesfric.logs.long_form import is_of_several_joints
 from bayesfric.logs.mapping import JOINT, Mapping, scale_of
 from bayesfric.logs.ordering import Series, in_order, unwrapped
-from bayesfric.logs.table import Log, numbers_of, texts_of
+from bayesfric.logs.table import LISTED, Log, numbers_of, texts_of
 
 ALL = "all"
-LISTED = 12
 OPTIONAL = ("measured_force", "velocity", "known_force", "temperature")
 """Signals that a mapping may leave out; a blank column counts as absent."""
 RATE = "time.rate_hz"
@@ -87,16 +86,13 @@ def joints_of(log: Log, mapping: Mapping, joint: str | None) -> tuple[str | None
     return (joint,)
 
 
-def _listed(names: list[str]) -> str:
-    return ", ".join(names[:LISTED]) + (", …" if len(names) > LISTED else "")
-
-
 def _which(names: list[str]) -> Fault:
-    return Fault("--joint", f"all, or one of the joints {_listed(names) or '(there is none)'}")
+    joints = first_of(names, LISTED) or "(there is none)"
+    return Fault("--joint", f"all, or one of the joints {joints}")
 
 
 def _no_joint(where: str, joint: str, names: list[str]) -> Fault:
-    listed = _listed(names) or "there is none"
+    listed = first_of(names, LISTED) or "there is none"
     expected = f"all, or one of its joints ({listed}){near(joint, names)}"
     return Fault(where, expected, column="--joint", value=joint)
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bayesfric.arrays import Array
-from bayesfric.errors import Fault, InputError, near
+from bayesfric.errors import Fault, InputError, first_of, near
 from bayesfric.recording.reading import LARGEST_FILE as LARGEST_FILE
 
 MOST_CELLS = 64_000_000  # as doubles, 512 MiB
@@ -72,8 +72,8 @@ class Log:
         if isinstance(column, int):
             expected = f"a number of a column, from 1 to {len(names)}"
             return Fault(self.name, expected, column=str(column))
-        listed = ", ".join(names[:LISTED]) + (", …" if len(names) > LISTED else "")
-        expected = f"one of {listed or 'its columns, but it has none'}{near(column, names)}"
+        listed = first_of(names, LISTED) or "its columns, but it has none"
+        expected = f"one of {listed}{near(column, names)}"
         return Fault(self.name, expected, column=column)
 
     def parted(self, column: str | int, most: int, expected: str) -> dict[str, "Log"]:

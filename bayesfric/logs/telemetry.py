@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array
+from bayesfric.logs.ordering import GAP
 from bayesfric.recording.held import held_for, position_held_for
 from bayesfric.recording.tables import Axis
 
-GAP = 3.0  # intervals without a sample that are a gap
 JITTER = 0.05  # rms over the interval, above which jitter is reported
 AT_LIMIT = 0.01  # share of the samples at the largest value, above which it is a limit
 FEW_AT_LIMIT = 5  # up to this many samples at the largest value are chance

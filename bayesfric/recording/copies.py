@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array
+from bayesfric.errors import first_of
 from bayesfric.recording.cells import Table
 from bayesfric.recording.frames import stands_in
 from bayesfric.recording.spacing import decimals_of
@@ -88,16 +89,15 @@ def without_copies(
 
 
 def _said(file: str, what: str, copies: Copies) -> str:
-    shown = ", ".join(f"{copy} of {first}" for copy, first in list(copies.items())[:NAMED])
-    more = f" and {len(copies) - NAMED:,} more" if len(copies) > NAMED else ""
+    shown = first_of([f"{copy} of {first}" for copy, first in copies.items()], NAMED)
     copy = "an exact copy" if len(copies) == 1 else "exact copies"
-    return f"{file}: {what} {shown}{more}: {copy}, used once"
+    return f"{file}: {what} {shown}: {copy}, used once"
 
 
 def _unlike(file: str, what: str, pairs: Copies) -> Iterator[str]:
     if not pairs:
         return
-    shown = ", ".join(f"{other} and {first}" for other, first in list(pairs.items())[:NAMED])
+    shown = first_of([f"{other} and {first}" for other, first in pairs.items()], NAMED)
     yield (
         f"{file}: {shown} have the same {what} to the last digit and another condition: is one of "
         "them what was measured?"

@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-from bayesfric.errors import Fault, InputError, near
+from bayesfric.errors import Fault, InputError, first_of, near
 from bayesfric.link_shapes import weightless_shapes
 from bayesfric.recording.package import fault_of_key
 from bayesfric.recording.tables import Robot
@@ -128,11 +128,11 @@ def _joints(robot: Robot, root: Element) -> list[Element]:
 
 
 def _unknown(joints: Mapping[str, str], names: Collection[str], file: str) -> list[Fault]:
-    listed = ", ".join(list(names)[:NAMED]) + (", …" if len(names) > NAMED else "")
+    listed = first_of(names, NAMED) or "it has none"
     return [
         fault_of_key(
             f"rig.robot.joints.{joint}",
-            f"a joint of {file} ({listed or 'it has none'}){near(name, names)}",
+            f"a joint of {file} ({listed}){near(name, names)}",
             name,
         )
         for joint, name in joints.items()
