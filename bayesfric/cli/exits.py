@@ -10,7 +10,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import wraps
 from itertools import chain
 from types import FrameType
@@ -107,10 +107,6 @@ def _cannot(error: OSError) -> None:
     place = error.filename if isinstance(error.filename, str) else "standard output"
     expected = f"a place that can be read and written ({error.strerror or error})"
     say(f"error: {Fault(place, expected)}", err=True)
-    with suppress(OSError):
-        sys.stdout.flush()
-        return
-    _forget_what_is_unprinted()
 
 
 def _forget_what_is_unprinted() -> None:

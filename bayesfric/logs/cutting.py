@@ -11,7 +11,7 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.clock import DECIMALS
 from bayesfric.logs.mapping import Run
-from bayesfric.logs.ordering import GAP, Series, gaps_of
+from bayesfric.logs.ordering import GAP, Series, counted, gaps_of
 
 COLUMNS = {"force": "force_n", "known_force": "known_force_n", "temperature": "temperature_c"}
 """Signals that are interpolated linearly at the times of the positions, and their columns."""
@@ -122,9 +122,8 @@ def _notes(signals: dict[str, Series], unsaid: dict[str, Flags]) -> list[str]:
     for key, without in unsaid.items():
         if without.any():
             called = key.replace("_", " ")
-            notes.append(
-                f"{_counted(int(without.sum()))} in which no {called} was logged left out."
-            )
+            samples = counted(int(without.sum()), "sample")
+            notes.append(f"{samples} in which no {called} was logged left out.")
     for key in COLUMNS:
         if key in signals and not np.array_equal(position.time_s, signals[key].time_s):
             called = key.replace("_", " ").capitalize()
@@ -161,7 +160,3 @@ def _unsaid(time_s: Array, force: Series) -> Flags:
     gap = np.searchsorted(begin, time_s, side="left") - 1
     inside: Flags = (gap >= 0) & (time_s < end[gap])
     return inside
-
-
-def _counted(samples: int) -> str:
-    return "1 sample" if samples == 1 else f"{samples:,} samples"

@@ -93,20 +93,20 @@ def in_order(
     notes: list[str] = []
     blank = time_s.size - there.size
     if blank:
-        notes.append(f"{_rows(blank)} without a number left out")
+        notes.append(f"{counted(blank, 'row')} without a number left out")
     times = time_s[there]
     ahead = np.maximum.accumulate(times) if times.size else times
     late = times < ahead
     if late.any():
         _check_behind(times, ahead - times, late, there + first_row, file, column)
         row = int(there[np.argmax(late)]) + first_row
-        notes.append(f"{_rows(int(late.sum()))} out of order (first: row {row}) sorted")
+        notes.append(f"{counted(int(late.sum()), 'row')} out of order (first: row {row}) sorted")
     unique, kept = np.unique(times, return_index=True)
     doubled = np.setdiff1d(np.arange(times.size), kept)
     if doubled.size:
         row = int(there[doubled[0]]) + first_row
         notes.append(
-            f"{_rows(int(doubled.size))} with the time of an earlier row (first: row {row}) "
+            f"{counted(doubled.size, 'row')} with the time of an earlier row (first: row {row}) "
             "left out"
         )
     series = Series(unique, value[there][kept])
@@ -126,9 +126,8 @@ def _gap_notes(series: Series) -> tuple[str, ...]:
         return ()
     longest = int(np.argmax(end - begin))
     since = begin[longest] - series.time_s[0]
-    places = "1 place" if begin.size == 1 else f"{begin.size:,} places"
     return (
-        f"no sample for more than {GAP:g} intervals at {places}, the longest "
+        f"no sample for more than {GAP:g} intervals at {counted(begin.size, 'place')}, the longest "
         f"{end[longest] - begin[longest]:.4g} s, {since:.4g} s after the first",
     )
 
@@ -143,9 +142,10 @@ def _check_behind(
     wrong = np.flatnonzero((ends - begins > BEHIND) | (deepest > BEHIND * interval))
     if wrong.size:
         first = int(begins[wrong[0]])
+        rows_behind = counted(int(ends[wrong[0]] - first), "row")
         expected = (
             f"a clock that runs on; it goes back by {behind[first]:.6g} s and "
-            f"{_rows(int(ends[wrong[0]] - first))} from there are behind what came before: "
+            f"{rows_behind} from there are behind what came before: "
             "cut the log there, or take a clock that does not start anew"
         )
         raise InputError([Fault(file, expected, int(rows[first]), column)])
@@ -157,5 +157,6 @@ def _interval(steps: Array) -> float:
     return float(np.median(forward)) if forward.size else np.inf
 
 
-def _rows(count: int) -> str:
-    return "1 row" if count == 1 else f"{count:,} rows"
+def counted(number: int, noun: str) -> str:
+    """Return a number of things in words."""
+    return f"1 {noun}" if number == 1 else f"{number:,} {noun}s"

@@ -96,7 +96,8 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     chosen, joints = _chosen(beliefs, joint)
     if "joint" in chosen:
         belief = chosen["joint"][0]
-        joints = tuple(_names_in(texts_of(log.columns[belief.column])))
+        texts = texts_of(log.columns[belief.column])
+        joints = tuple(dict.fromkeys(text.strip() for text in texts if text and text.strip()))
         column = _name(belief.column, form is None or form.header)
         lines += ["", f"joint_column = {column}  # {_plain(belief.why)}"]
     if any(belief.column == LEROBOT_RUN for belief in beliefs):
@@ -115,10 +116,6 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     count = body.count(f'"{SAY}"')
     asked = [f"{count} place{'s' * (count > 1)} with {SAY}"] if count else []
     return Proposal(toml, (*(f"which column is {what}" for what in missing), *asked), joints)
-
-
-def _names_in(cells: list[str | None]) -> dict[str, None]:
-    return dict.fromkeys(cell.strip() for cell in cells if cell is not None and cell.strip())
 
 
 def _plain(text: str) -> str:

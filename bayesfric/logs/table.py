@@ -155,6 +155,27 @@ def check_cells(name: str, cells: int, columns: int = 1) -> None:
         raise InputError([Fault(name, expected, value=f"{columns:,}")])
 
 
+def leaves(record: Mapping[str, Any], deepest: int, before: str = "") -> dict[str, Any]:
+    """Return the values of a record, with dotted names for those of records in it.
+
+    Parameters
+    ----------
+    record : mapping of str
+        The record.
+    deepest : int
+        Levels of records in it that are opened.
+    before : str
+        What stands before each name.
+    """
+    values: dict[str, Any] = {}
+    for key, value in record.items():
+        if isinstance(value, dict) and deepest:
+            values |= leaves(value, deepest - 1, f"{before}{key}.")
+        else:
+            values[before + key] = value
+    return values
+
+
 def columns_of_array(name: str, array: npt.NDArray[Any]) -> tuple[dict[str, Cells], str | None]:
     """Return the columns of an array, and a note if its longer side was taken as time.
 

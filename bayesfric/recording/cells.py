@@ -106,10 +106,9 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     notes = []
     if text.unnamed:
         notes.append(f"{text.file}: {text.unnamed} column(s) without a name kept out")
-    names = [column.name for column in table.columns]
-    absent = [name for name in names if name not in text.cells]
+    absent = [name for name in table.names if name not in text.cells]
     kept_out = []
-    for name in text.cells.columns.difference(names, sort=False):
+    for name in text.cells.columns.difference(table.names, sort=False):
         if table.keeps_covariates and name in TAKEN:
             notes.append(
                 f"{text.file}: column {name!r} kept out (results have this name: rename it)"
@@ -154,8 +153,7 @@ def _by_names_of(text: TextTable, table: TableFormat) -> TextTable:
     InputError
         The table has a column under both names.
     """
-    columns = {column.name for column in table.columns}
-    others = {o: n for o, n in OTHER_NAMES.items() if o in text.cells and n in columns}
+    others = {o: n for o, n in OTHER_NAMES.items() if o in text.cells and n in table.names}
     if twice := [other for other, name in others.items() if name in text.cells]:
         raise InputError(
             [Fault(text.file, f"{OTHER_NAMES[o]} or {o}, not both", 1, o) for o in twice]
@@ -167,13 +165,10 @@ def _by_names_of(text: TextTable, table: TableFormat) -> TextTable:
 
 
 def _check_header(text: TextTable, table: TableFormat) -> None:
-    names = {column.name for column in table.columns}
+    names = set(table.names)
     written = [str(name) for name in text.cells.columns]
     needed = [column.name for column in table.columns if column.required]
-    shared = {
-        file: len(set(written) & {column.name for column in other.columns})
-        for file, other in TABLES.items()
-    }
+    shared = {file: len(set(written) & set(other.names)) for file, other in TABLES.items()}
     likest = max(shared, key=lambda file: shared[file])
     if not set(needed) <= set(written) and shared[likest] > len(names & set(written)):
         expected = f"the columns {', '.join(needed)} (is this {likest}?)"
@@ -217,8 +212,7 @@ def _checked(
     """Return the frame without the cells that break their column's rule, and their faults."""
     faults: list[Fault] = []
     slips: dict[str, list[tuple[int, Column]]] = {}
-    names = {column.name for column in table.columns}
-    written = [str(name) for name in text.cells.columns if name not in names]
+    written = [str(name) for name in text.cells.columns if name not in table.names]
     for column in table.columns:
         name = column.name
         if name not in frame:

@@ -106,7 +106,7 @@ def _contents(recording: Recording) -> dict[str, bytes]:
 
 
 def _in_order(frame: pd.DataFrame, table: TableFormat) -> pd.DataFrame:
-    names = [column.name for column in table.columns if column.name in frame]
+    names = [name for name in table.names if name in frame]
     others = [str(name) for name in frame.columns if name not in names]
     if others and not table.keeps_covariates:
         raise ValueError(f"{table.file} has no column {', '.join(others)}")
