@@ -73,38 +73,31 @@ class Judged:
     ----------
     linear : mapping of Direction to Linear
         Linear margins by direction, with the peaks of S and T.
-    values : mapping of Key to ndarray
-        Metrics in closed form, of every draw.
     hunting : Hunting
         Thresholds of hunting.
     safe : SafeGain
         The largest compensation gain that is safe.
     rows : tuple of Metric
         Metrics as they are reported.
-    hunts : float
-        Probability that it hunts at the file's γ.
     missed : tuple of str
         Specs that it misses.
     """
 
     linear: Mapping[Direction | None, Linear]
-    values: Mapping[Key, Array]
     hunting: Hunting
     safe: SafeGain
     rows: tuple[Metric, ...]
-    hunts: float
     missed: tuple[str, ...]
 
     @classmethod
     def of(cls, shaft: LoopAtShaft, spec: Spec, simulated: int, draws: float) -> "Judged":
         """Judge a loop by its spec; `draws` is the effective number of draws of the fit."""
         linear = linear_of(shaft, with_peaks=True)
-        values = closed_forms(shaft, linear)
         hunting = find_hunting(shaft, simulated, spec.limit_cycle_probability_max)
         safe = largest_safe_gain(hunting, spec.limit_cycle_probability_max, draws)
-        rows = metric_rows(shaft, values, linear, hunting, draws)
-        hunts = float(hunting.now.mean())
-        return cls(linear, values, hunting, safe, rows, hunts, missed_specs(rows, hunts, spec))
+        rows = metric_rows(shaft, linear, hunting, draws)
+        missed = missed_specs(rows, float(hunting.now.mean()), spec)
+        return cls(linear, hunting, safe, rows, missed)
 
 
 def loop_margins(

@@ -81,13 +81,14 @@ def test_margins_of_random_loops_are_those_of_python_control(loops):
             assert margins.crossings[row] == at_gain.size
         else:
             assert np.isinf(margins.phase[row])
-        near = margins.disk_frequency[row] * np.exp(np.linspace(-1e-3, 1e-3, 201))
+        value = rational(num, den)(omega[row], row)
+        nearest = omega[row, (np.abs(1 + value) / np.abs(1 - value)).argmin()]
+        near = nearest * np.exp(np.linspace(-8e-3, 8e-3, 1601))
         grid = np.sort(np.concatenate([omega[row, ::10], near]))
         disk, _, _ = control.disk_margins(system, grid)
         assert margins.disk[row] == pytest.approx(float(disk), rel=1e-6)
         if row % 5:  # peaks need fine grids: a fifth of the loops will do
             continue
-        value = rational(num, den)(omega[row], row)
         for closed, peak, sizes in (
             (control.feedback(1, system), most_s, np.abs(1 / (1 + value))),
             (control.feedback(system, 1), most_t, np.abs(value / (1 + value))),
