@@ -240,7 +240,7 @@ def _least(
 
         find: Any = elementwise.find_minimum
         minimum = find(of_log, triple, args=(rows.astype(float),))
-        np.minimum.at(least, rows, minimum.f_x)
+        np.fmin.at(least, rows, minimum.f_x)
     return np.asarray(least)
 
 
