@@ -88,15 +88,16 @@ def import_log(
         The log or the mapping cannot be used; with places and reasons.
     """
     paths = [logs] if isinstance(logs, Path) else list(logs)
-    what = mapping if isinstance(mapping, Mapping) else read_mapping(mapping)
     folder = (paths[0] if isinstance(mapping, Mapping) else mapping).parent
-    pieces = _pieces(paths, what)
-    apart = [replace(piece, log=by_joint(piece.log, what)) for piece in pieces]
-    what = mapping_by_joint(what, pieces[0].log)
-    joints = joints_of(apart[0].log, what, joint)
-    runs_of_pieces = _runs_of(apart, what)
+    if not isinstance(mapping, Mapping):
+        mapping = read_mapping(mapping)
+    pieces = _pieces(paths, mapping)
+    apart = [replace(piece, log=by_joint(piece.log, mapping)) for piece in pieces]
+    mapping = mapping_by_joint(mapping, pieces[0].log)
+    joints = joints_of(apart[0].log, mapping, joint)
+    runs_of_pieces = _runs_of(apart, mapping)
     cuts = [
-        _cut_piece(piece, what, joints, runs)
+        _cut_piece(piece, mapping, joints, runs)
         for piece, runs in zip(apart, runs_of_pieces, strict=True)
         if runs
     ]
@@ -115,7 +116,7 @@ def import_log(
     recording = Recording(
         name=name,
         title=f"{whom} {names} of {files}" if names else f"Joint of {files}",
-        rig=_constants(what, joints, folder),
+        rig=_constants(mapping, joints, folder),
         axis=Axis(runs, samples),
         metadata={
             "sources": [{"title": f"Imported from {files}. {' '.join(notes)}"}],
@@ -125,24 +126,24 @@ def import_log(
     return Imported(recording, delay, tuple(notes))
 
 
-def _constants(what: Mapping, joints: tuple[str | None, ...], folder: Path) -> RigConstants:
-    if what.moving_mass is not None and len(joints) > 1:
+def _constants(mapping: Mapping, joints: tuple[str | None, ...], folder: Path) -> RigConstants:
+    if mapping.moving_mass is not None and len(joints) > 1:
         expected = f"the mass of one joint, and {len(joints)} are imported: leave it out for all"
-        value = f"{what.moving_mass:g}"
+        value = f"{mapping.moving_mass:g}"
         raise InputError([Fault("the mapping", expected, column="moving_mass", value=value)])
     return RigConstants(
-        rotary=what.rotary,
-        force_is=_force_is(what, joints),
-        encoder_resolution=what.encoder_resolution,
-        moving_mass_kg=what.moving_mass,
-        other_joints=what.other_joints,
-        robot=None if what.robot is None else robot_of(what.robot, folder, joints),
+        rotary=mapping.rotary,
+        force_is=_force_is(mapping, joints),
+        encoder_resolution=mapping.encoder_resolution,
+        moving_mass_kg=mapping.moving_mass,
+        other_joints=mapping.other_joints,
+        robot=None if mapping.robot is None else robot_of(mapping.robot, folder, joints),
     )
 
 
-def _force_is(what: Mapping, joints: tuple[str | None, ...]) -> ForceIs | None:
+def _force_is(mapping: Mapping, joints: tuple[str | None, ...]) -> ForceIs | None:
     """Return the kind of force, which must be the same for all joints of a recording."""
-    forces = {joint: what.of_joint(joint).get("force") for joint in joints}
+    forces = {joint: mapping.of_joint(joint).get("force") for joint in joints}
     of_joint = {joint: force.force_is for joint, force in forces.items() if force is not None}
     kinds = [kind for kind in dict.fromkeys(of_joint.values()) if kind is not None]
     if len(kinds) > 1:
@@ -152,19 +153,19 @@ def _force_is(what: Mapping, joints: tuple[str | None, ...]) -> ForceIs | None:
     return kinds[0] if kinds else None
 
 
-def _pieces(paths: list[Path], what: Mapping) -> list[_Piece]:
+def _pieces(paths: list[Path], mapping: Mapping) -> list[_Piece]:
     """Return the logs, each divided at the runs that a column names."""
     stems = [path.name if path.is_dir() else path.stem for path in paths]
     pieces = []
     for path, stem in zip(paths, stems, strict=True):
-        log = read_log(path, what.csv, wanted_columns(what))
+        log = read_log(path, mapping.csv, wanted_columns(mapping))
         twice = stems.count(stem) > 1
         called = _id(f"{path.resolve().parent.name}-{stem}" if twice else stem)
-        if what.run is None:
+        if mapping.run is None:
             pieces.append(_Piece(log, "whole" if len(paths) == 1 else called))
             continue
         prefix = "" if len(paths) == 1 else f"{called}-"
-        parts = log.parted(what.run, MOST_RUNS, f"between 1 and {MOST_RUNS:,} runs")
+        parts = log.parted(mapping.run, MOST_RUNS, f"between 1 and {MOST_RUNS:,} runs")
         pieces += [_Piece(part, f"{prefix}{_id(value)}", value) for value, part in parts.items()]
     names = [piece.name for piece in pieces]
     double = next((name for name in names if names.count(name) > 1), None)
@@ -178,12 +179,12 @@ def _id(text: str) -> str:
     return re.sub(r"[^\w.]+", "-", text).strip("-.") or "run"
 
 
-def _runs_of(pieces: list[_Piece], what: Mapping) -> list[list[Run]]:
+def _runs_of(pieces: list[_Piece], mapping: Mapping) -> list[list[Run]]:
     """Return the runs of each piece: those of the mapping that belong to it, or the whole piece."""
-    if not what.runs:
+    if not mapping.runs:
         return [[Run(name=piece.name)] for piece in pieces]
     faults, of_piece = [], [list[Run]() for _ in pieces]
-    for run in what.runs:
+    for run in mapping.runs:
         value = None if run.value is None else str(run.value)
         places = [
             place
@@ -205,10 +206,10 @@ def _runs_of(pieces: list[_Piece], what: Mapping) -> list[list[Run]]:
 
 
 def _cut_piece(
-    piece: _Piece, what: Mapping, joints: tuple[str | None, ...], runs: list[Run]
+    piece: _Piece, mapping: Mapping, joints: tuple[str | None, ...], runs: list[Run]
 ) -> _Cut:
     name = piece.log.name
-    of_joints = signals_of(piece.log, what, joints)
+    of_joints = signals_of(piece.log, mapping, joints)
     spans = [span_of(name, signals.series) for signals in of_joints.values()]
     origin = min(signals.series["position"].time_s[0] for signals in of_joints.values())
     begin, end = min(first for first, _ in spans), max(last for _, last in spans)

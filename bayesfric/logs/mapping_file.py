@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.files import key_faults, read_toml
 from bayesfric.logs.mapping import FORCE_IS, JOINT, SAY, SIGNALS, Mapping, Signal, written
-from bayesfric.logs.units import FORCES, LENGTHS, ROTARY, STRAIGHT, TORQUES, needs_factor
+from bayesfric.logs.units import ELECTRIC, FORCES, LENGTHS, ROTARY, STRAIGHT, TORQUES
 
 PAGE = "docs/howto/log.md"
 FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of a formula in a cell
@@ -33,15 +33,15 @@ def read_mapping(path: Path) -> Mapping:
 def checked_mapping(keys: dict[str, Any], name: str) -> Mapping:
     """Return a mapping from its keys; `name` is the name of the file in errors."""
     keys = _with_columns(keys)
-    unsaid = [*_unsaid(keys)]
+    placeholders = [*_placeholders(keys)]
     try:
         mapping = Mapping.model_validate(keys)
     except ValidationError as error:
         faults = key_faults(name, error, PAGE, Mapping)
         wrong = {fault.column for fault in faults}
-        unsaid = [rule for rule in unsaid if rule[0] not in wrong]
-        raise InputError([*faults, *_faults(name, unsaid)]) from error
-    if faults := _faults(name, unsaid or _broken_rules(mapping)):
+        placeholders = [rule for rule in placeholders if rule[0] not in wrong]
+        raise InputError([*faults, *_faults(name, placeholders)]) from error
+    if faults := _faults(name, placeholders or _broken_rules(mapping)):
         raise InputError(faults)
     return mapping
 
@@ -72,11 +72,11 @@ def _with_columns(keys: dict[str, Any]) -> dict[str, Any]:
     return said
 
 
-def _unsaid(keys: dict[str, Any], before: str = "") -> Iterator[Broken]:
+def _placeholders(keys: dict[str, Any], before: str = "") -> Iterator[Broken]:
     """Yield each placeholder of a proposal that was not edited."""
     for key, value in keys.items():
         if isinstance(value, dict):
-            yield from _unsaid(value, f"{before}{key}.")
+            yield from _placeholders(value, f"{before}{key}.")
         elif value == SAY:
             yield f"{before}{key}", "the right value, which the log does not state", SAY
 
@@ -159,7 +159,7 @@ def _of_signal(mapping: Mapping, place: str, key: str, signal: Signal) -> Iterat
     if unit not in units:
         yield f"{place}.unit", one_of(tuple(units), unit), unit
         return
-    if needs_factor(unit) and units is FORCES and factor is None:
+    if unit in ELECTRIC and units is FORCES and factor is None:
         what = "N·m" if mapping.rotary else "N"
         of_all = {"share": "all of the PWM", "%": "all of the PWM", "raw": "1"}
         of = of_all.get(unit, f"1 {unit.removeprefix('m')}")

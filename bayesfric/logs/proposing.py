@@ -10,7 +10,7 @@ from bayesfric.logs.readers import kind_of, read_log
 from bayesfric.logs.readers.csv import decoded
 from bayesfric.logs.relating import related
 from bayesfric.logs.table import texts_of
-from bayesfric.logs.units import needs_factor
+from bayesfric.logs.units import ELECTRIC
 
 NEEDED = {"time": "the clock", "position": "the position", "force": "the force"}
 EFFORT = re.compile(r"/.*\.effort\[")  # an effort of a ROS 2 message, in N·m or N
@@ -223,7 +223,7 @@ def _section(key: str, belief: Belief, pattern: str, log_has_header: bool) -> li
         unit, why = "rad/s", "a velocity of ROS 2 is in rad/s where a joint turns"
     lines = ["", f"[{key}]", f"# {_plain(why)}", f"column = {_name(pattern, log_has_header)}"]
     lines.append(f'unit = "{unit or SAY}"')
-    if key == "force" and unit is not None and needs_factor(unit):
+    if key == "force" and unit is not None and unit in ELECTRIC:
         lines.append(f'factor = "{SAY}"  # N·m for 1 {unit}: the torque constant, of the motor')
     if unit == "tick":
         lines.append(f'counts_per_turn = "{SAY}"  # of the encoder')

@@ -19,9 +19,9 @@ from bayesfric.margins.loop_margins import Asked, loop_margins
 from bayesfric.margins.loop_reading import read_loop
 from bayesfric.margins.metrics import linear_of
 from bayesfric.margins.plant import plant_of
-from bayesfric.margins.posterior import Posterior, RigDiscrepancy, read_draws
+from bayesfric.margins.posterior import Posterior, RigDiscrepancy, fit_beside, read_draws
 from bayesfric.margins.reflecting import at_shaft
-from bayesfric.results import identified, provenance, read_json, replace_outputs
+from bayesfric.results import identified, provenance, replace_outputs
 from bayesfric.schemas import FitFile, MarginsFile
 from bayesfric.schemas.margins import LoopMargins
 
@@ -158,7 +158,7 @@ def compute_margins(
         _refuse_unstable(loop, chosen.posterior, ensembles)
     asked = Asked(analysis.seed, verify, tune, ensembles, max(simulated, 2))
     margins, drawn = zip(*_of_loops(read, chosen, discrepancy, asked, progress), strict=True)
-    summary = _summary(margins, chosen, discrepancy, analysis, _fit_of(path))
+    summary = _summary(margins, chosen, discrepancy, analysis, fit_beside(path))
     return Margins(identified(summary), drawn)
 
 
@@ -200,12 +200,6 @@ def _summary(
         attention=of_margins(chosen.used, margins, fit),
         loops=margins,
     )
-
-
-def _fit_of(draws: Path) -> FitFile | None:
-    """Return the fit of the draws, if its file is beside them."""
-    path = draws.with_name("fit.json")
-    return read_json(FitFile, path) if path.is_file() else None
 
 
 def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:

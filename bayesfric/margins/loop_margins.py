@@ -235,13 +235,9 @@ def _map(hunting: Hunting, shaft: LoopAtShaft) -> HuntingMap | None:
         gamma=chart.gammas,
         speed_rad_s=tuple(float(np.median(speed)) for speed in speeds),
         speed_tip_m_s=tuple(float(np.median(speed * shaft.tip_per_rad)) for speed in speeds),
-        probability=_rows(chart.hunts.mean(axis=2)),
-        rms_error_m=_rows(tip * np.median(chart.rms_error, axis=2)),
+        probability=chart.hunts.mean(axis=2).tolist(),
+        rms_error_m=(tip * np.median(chart.rms_error, axis=2)).tolist(),
     )
-
-
-def _rows(table: Array) -> tuple[tuple[float, ...], ...]:
-    return tuple(tuple(float(value) for value in row) for row in table)
 
 
 def _why_not_followed(shaft: LoopAtShaft, moves: bool) -> str | None:

@@ -109,7 +109,7 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
         The file is missing, is not netCDF, or has no draws of c1, c2 and c3.
     """
     tree = read_tree(path) if tree is None else tree
-    _refuse_mixed_beside(path)
+    fit_beside(path)
     fault = Fault(path.name, "draws of a fit: c1, c2, c3 over chain, draw and pulley, and omega")
     if "posterior" not in tree.children:
         raise InputError([fault])
@@ -143,11 +143,20 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
     )
 
 
-def _refuse_mixed_beside(path: Path) -> None:
-    """Raise if ``fit.json`` beside the draws belongs to another fit."""
-    fit = path.with_name("fit.json")
-    if fit.is_file():
-        refuse_mixed(read_json(FitFile, fit), fit)
+def fit_beside(draws: Path) -> FitFile | None:
+    """Return the fit of draws, if its file is beside them.
+
+    Raises
+    ------
+    InputError
+        It belongs to other draws.
+    """
+    path = draws.with_name("fit.json")
+    if not path.is_file():
+        return None
+    fit = read_json(FitFile, path)
+    refuse_mixed(fit, path)
+    return fit
 
 
 def _scatter(table: xr.Dataset, kind: str, sizes: Iterable[str]) -> dict[str, Array]:
@@ -288,7 +297,7 @@ def read_draws(path: Path) -> tuple[Posterior, RigDiscrepancy]:
     population = tree.children.get("posterior")
     if population is None or "board" not in population.sizes:
         return read_posterior(path, tree), rig_discrepancy(path.parent)
-    _refuse_mixed_beside(path)
+    fit_beside(path)
     boards = [
         read_posterior(path.parent / "boards" / str(name) / "draws.nc")
         for name in population["board"].to_numpy()

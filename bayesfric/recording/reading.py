@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 
@@ -63,9 +64,6 @@ def read_recording(path: str | PathLike[str]) -> Recording:
     """
     folder = Path(path)
 
-    def load(name: str) -> bytes:
-        return _read_inside(folder, name)
-
     try:
         is_folder, is_file = folder.is_dir(), folder.is_file()
         in_folder = [file for file in TABLES if (folder / file).exists()]
@@ -75,7 +73,7 @@ def read_recording(path: str | PathLike[str]) -> Recording:
         expected = f"a folder that holds {PACKAGE_FILE}"
         expected += " (this is a file: is its folder meant?)" if is_file else ""
         raise InputError([Fault(str(folder), expected)])
-    return assemble(load, in_folder)
+    return assemble(partial(_read_inside, folder), in_folder)
 
 
 def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
