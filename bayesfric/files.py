@@ -13,6 +13,7 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, get_args
+from xml.etree import ElementTree
 
 from bayesfric.errors import Fault, InputError, near, one_of
 
@@ -86,6 +87,29 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError([Fault(name, "TOML that is not nested so deeply")]) from error
     except ValueError as error:  # Python's limit of 4,300 digits
         raise InputError([Fault(name, "TOML with numbers of reasonable length")]) from error
+
+
+def xml_root(content: bytes, name: str) -> ElementTree.Element:
+    """Return the root element of an XML file.
+
+    Parameters
+    ----------
+    content : bytes
+        The file.
+    name : str
+        What an error calls it.
+
+    Raises
+    ------
+    InputError
+        It is no XML, or declares entities, which may be endless.
+    """
+    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+        raise InputError([Fault(name, "XML without entities (<!DOCTYPE … >)")])
+    try:
+        return ElementTree.fromstring(content)
+    except (ElementTree.ParseError, ValueError, LookupError) as error:  # an unknown encoding
+        raise InputError([Fault(name, f"XML that parses ({error})")]) from error
 
 
 def key_faults(

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pandas as pd
 
@@ -23,6 +23,8 @@ from bayesfric.recording.package import ForceIs
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 
 MOST_RUNS = 10_000
+PLACE = {"name", "file", "value", "from_s", "to_s"}
+"""Keys of a run that say where it is; the others describe it."""
 
 
 @dataclass(frozen=True)
@@ -101,9 +103,10 @@ def import_log(
         for piece, runs in zip(apart, runs_of_pieces, strict=True)
         if runs
     ]
-    rows = [_row(run) for runs in runs_of_pieces for run in runs]
+    every_run = [run for runs in runs_of_pieces for run in runs]
     runs = pd.DataFrame(
-        [{"run": row["run"], "order": order} | row for order, row in enumerate(rows, start=1)]
+        {"run": run.name, "order": order, **run.model_dump(exclude=PLACE, exclude_none=True)}
+        for order, run in enumerate(every_run, start=1)
     )
     samples = pd.concat([frame for piece in cuts for frame in piece.samples], ignore_index=True)
     done = list(dict.fromkeys(note for piece in cuts for note in piece.notes))
@@ -236,11 +239,6 @@ def _cut_piece(
     order = {run.name: place for place, run in enumerate(runs)}
     samples.sort(key=lambda frame: order[str(frame["run"].iloc[0])])
     return _Cut(samples, _together(notes), delays)
-
-
-def _row(run: Run) -> dict[str, Any]:
-    row = {"run": run.name, **(run.model_extra or {})}
-    return row | ({} if run.role is None else {"role": run.role})
 
 
 def _together(notes: dict[str | None, list[str]]) -> list[str]:

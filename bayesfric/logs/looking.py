@@ -118,12 +118,11 @@ def csv_form(text: str) -> tuple[CsvForm, list[str]]:
 
 def _evenness(lines: Sequence[str], separator: str) -> tuple[int, int]:
     """Return how many lines have the commonest number of cells, of those above one."""
-    widths = [len(cells) for cells in split([line for line in lines if line.strip()], separator)]
-    several = [width for width in widths if width > 1]
-    if not several:
-        return (0, 0)
-    width = max(set(several), key=several.count)
-    return several.count(width), width if separator != "space" else 1
+    rows = split([line for line in lines if line.strip()], separator)
+    several = [cells for cells in rows if len(cells) > 1]
+    width = _usual_width(several)
+    count = sum(len(cells) == width for cells in several)
+    return count, width if separator != "space" else 1
 
 
 def _usual_width(cells: list[list[str]]) -> int:

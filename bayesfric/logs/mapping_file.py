@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.files import key_faults, read_toml
 from bayesfric.logs.mapping import FORCE_IS, JOINT, SAY, SIGNALS, Mapping, Signal, written
+from bayesfric.logs.readers.csv import SEPARATORS
 from bayesfric.logs.units import ELECTRIC, FORCES, LENGTHS, ROTARY, STRAIGHT, TORQUES
 
 PAGE = "docs/howto/log.md"
@@ -99,8 +100,7 @@ def _of_csv(mapping: Mapping) -> Iterator[Broken]:
     if form is None:
         return
     key, separator = "csv.separator", form.separator
-    named = separator in ("tab", "comma", "semicolon", "space")
-    if not named and (len(separator) != 1 or separator in '"\r\n0123456789.'):
+    if separator not in SEPARATORS and (len(separator) != 1 or separator in '"\r\n0123456789.'):
         yield key, 'one character, "tab", or "space" for any blanks', separator
     elif form.decimal == "," and separator in (",", "comma"):
         yield key, "a separator other than a comma, since the decimal mark is one", separator

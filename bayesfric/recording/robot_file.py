@@ -2,10 +2,10 @@
 
 import posixpath
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from bayesfric.errors import Fault, InputError, first_of, near
+from bayesfric.files import xml_root
 from bayesfric.link_shapes import weightless_shapes
 from bayesfric.recording.package import fault_of_key
 from bayesfric.recording.tables import Robot
@@ -57,18 +57,10 @@ def _keep(files: dict[str, bytes], name: str, content: bytes, model: str) -> Non
 
 def _parsed(content: bytes) -> Element | None:
     """Return the root element; None if the file is faulty, which is reported elsewhere."""
-    root = _root_or_why(content)
-    return None if isinstance(root, str) else root
-
-
-def _root_or_why(content: bytes) -> Element | str:
-    """Return the root element, or what is expected of a faulty file instead."""
-    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:  # an entity may be endless
-        return "a model without a document type or entities of its own"
     try:
-        return ElementTree.fromstring(content)
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        return f"XML that parses ({error})"
+        return xml_root(content, "")
+    except InputError:
+        return None
 
 
 def _meshes(folder: str, roots: Sequence[Element]) -> Iterator[str]:
@@ -100,9 +92,10 @@ def faults_of_model(robot: Robot) -> list[Fault]:
     if len(content) > LARGEST_MODEL:
         expected = f"a model of at most {LARGEST_MODEL:,} bytes"
         return [Fault(file, expected, value=f"{len(content):,} bytes")]
-    root = _root_or_why(content)
-    if isinstance(root, str):
-        return [Fault(file, root)]
+    try:
+        root = xml_root(content, file)
+    except InputError as error:
+        return list(error.faults)
     if root.tag not in ("robot", "mujoco"):
         expected = "URDF, whose first element is robot, or MJCF, whose first is mujoco"
         return [Fault(file, expected, row=1, value=root.tag)]
