@@ -5,9 +5,7 @@ place that cannot be read or written; 3 interrupted; 70 a fault of our own.
 """
 
 import os
-import signal
 import sys
-import threading
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -21,6 +19,7 @@ import typer
 from bayesfric.cli.printing import say
 from bayesfric.cli.surroundings import prepare
 from bayesfric.errors import Fault, InputError, one_of
+from bayesfric.files import handling
 
 P = ParamSpec("P")
 SHOWN_FAULTS = 50
@@ -59,7 +58,7 @@ def exit_status(verb: Callable[P, set[str] | None]) -> Callable[P, None]:
     @wraps(verb)
     def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
-            with _signals_raise():
+            with handling(_interrupt):  # so that a verb cleans up
                 prepare()
                 names = str(kwargs.get("fail_on_list", ""))
                 if names:
@@ -116,25 +115,8 @@ def _forget_what_is_unprinted() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), standard.fileno())
 
 
-@contextmanager
-def _signals_raise() -> Iterator[None]:
-    """Let both SIGINT and SIGTERM raise KeyboardInterrupt, so that a verb cleans up."""
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    if threading.current_thread() is not threading.main_thread():
-        yield  # only the main thread handles signals
-        return
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    for number, handler in before.items():
-        if handler is not signal.SIG_IGN:
-            signal.signal(number, interrupt)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
 
 
 def check_fail_on(names: str, verb: str) -> None:
