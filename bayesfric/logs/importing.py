@@ -103,11 +103,7 @@ def import_log(
         for piece, runs in zip(apart, runs_of_pieces, strict=True)
         if runs
     ]
-    every_run = [run for runs in runs_of_pieces for run in runs]
-    runs = pd.DataFrame(
-        {"run": run.name, "order": order, **run.model_dump(exclude=PLACE, exclude_none=True)}
-        for order, run in enumerate(every_run, start=1)
-    )
+    runs = _table_of([run for runs in runs_of_pieces for run in runs])
     samples = pd.concat([frame for piece in cuts for frame in piece.samples], ignore_index=True)
     done = list(dict.fromkeys(note for piece in cuts for note in piece.notes))
     delays = [of_joint for piece in cuts for of_joint in piece.delays]
@@ -127,6 +123,14 @@ def import_log(
         },
     )
     return Imported(recording, delay, tuple(notes))
+
+
+def _table_of(runs: list[Run]) -> pd.DataFrame:
+    """Return the runs in their order, with what the mapping says of each."""
+    return pd.DataFrame(
+        {"run": run.name, "order": order, **run.model_dump(exclude=PLACE, exclude_none=True)}
+        for order, run in enumerate(runs, start=1)
+    )
 
 
 def _constants(mapping: Mapping, joints: tuple[str | None, ...], folder: Path) -> RigConstants:
