@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from bayesfric.characters import code_of, invisible_in
+from bayesfric.characters import invisible_in
 from bayesfric.errors import Fault, InputError, near
 from bayesfric.recording.columns import (
     HOTTEST_C,
@@ -136,8 +136,8 @@ def _check_names(text: TextTable) -> None:
     for name in map(str, text.cells.columns):
         if len(name) > LONGEST_NAME:
             expected = f"a column name of at most {LONGEST_NAME} characters, not {len(name):,}"
-        elif (unseen := invisible_in(name)) is not None:
-            expected = f"a column name that can be seen; {code_of(unseen)[1:-1]} cannot be"
+        elif unseen := invisible_in(name):
+            expected = f"a column name that can be seen{unseen}"
         else:
             continue
         faults.append(Fault(text.file, expected, row=1, value=name))
@@ -302,8 +302,7 @@ def _why_no_name(name: str, column: Column) -> str:
     """Return the invisible character of a name, by its code, or the length of the name."""
     if len(name) > column.longest:
         return f", not {len(name):,}"
-    unseen = invisible_in(name)
-    return "" if unseen is None else f"; {code_of(unseen)[1:-1]} cannot be"
+    return invisible_in(name)
 
 
 def _obeys(values: pd.Series, column: Column) -> npt.NDArray[np.bool_]:
@@ -334,5 +333,5 @@ def _obeys(values: pd.Series, column: Column) -> npt.NDArray[np.bool_]:
 
 
 def _is_name(text: str, column: Column) -> bool:
-    fits = len(text) <= column.longest and invisible_in(text) is None
+    fits = len(text) <= column.longest and not invisible_in(text)
     return fits and not TYPOGRAPHIC.fullmatch(text)

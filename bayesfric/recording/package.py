@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from bayesfric.characters import code_of, invisible_in
+from bayesfric.characters import invisible_in
 from bayesfric.errors import Fault, near
 from bayesfric.recording.columns import LARGEST, LARGEST_INTEGER, LONGEST_NAME
 from bayesfric.recording.csv_text import LISTED, with_rest
@@ -113,8 +113,8 @@ def _seen(name: str) -> str:
 
 
 def _legible(name: str) -> str:
-    if (unseen := invisible_in(name)) is not None:
-        raise ValueError(f"text that can be seen; {code_of(unseen)[1:-1]} cannot be")
+    if unseen := invisible_in(name):
+        raise ValueError(f"text that can be seen{unseen}")
     return name
 
 
