@@ -20,7 +20,8 @@ def write_new(path: Path, text: str) -> None:
     InputError
         There is a file of this name, which is left as it is, or the folder cannot be written.
     """
-    if path.exists():
-        raise InputError([Fault(str(path), "no file of this name; nothing is written")])
-    with writable(path), path.open("x", encoding="utf-8") as file:
-        file.write(text)
+    with writable(path):
+        if path.exists():
+            raise InputError([Fault(str(path), "no file of this name; nothing is written")])
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
