@@ -53,10 +53,10 @@ def rerun(
     if output is not None and output.resolve() == folder.resolve():
         expected = "a folder other than that of the run"
         raise options.unusable(expected, "--output")
-    records = results_in(folder)
-    if set(records) <= {"margins.json"}:
+    if not any((folder / f"{name}.json").is_file() for name in ("fit", "claims", "diagnosis")):
         expected = "a folder with fit.json, claims.json or diagnosis.json"
         raise InputError([Fault(str(folder), expected)])
+    records = results_in(folder)
     with TemporaryDirectory(prefix="bayesfric-") as scratch:
         again = Path(scratch) if output is None else output
         with hold(again, "rerun"), processes(workers) as executor:
