@@ -45,8 +45,8 @@ def code_of(char: str) -> str:
     return f"[U+{ord(char):04X}]"
 
 
-def invisible_in(name: str) -> str | None:
-    """Return the first character of a name that nobody sees, or that acts; None without one.
+def invisible_in(name: str) -> str:
+    """Return which character of a name nobody sees, or acts, as the end of an error; else nothing.
 
     Parameters
     ----------
@@ -54,6 +54,6 @@ def invisible_in(name: str) -> str | None:
         Printable text and blanks are what it may hold.
     """
     if name.isascii() and name.isprintable():
-        return None
+        return ""
     unseen = (c for c in name if c in _FILLERS or unicodedata.category(c) in _UNSEEN)
-    return next(unseen, None)
+    return next((f"; {code_of(c)[1:-1]} cannot be" for c in unseen), "")

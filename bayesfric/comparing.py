@@ -54,7 +54,7 @@ def compare(a: str | PathLike[str], b: str | PathLike[str]) -> ComparisonFile:
     InputError
         A result is damaged, or the folders have no result in common.
     """
-    first, second = _results(Path(a)), _results(Path(b))
+    first, second = results_in(Path(a)), results_in(Path(b))
     common = [name for name in first if name in second]
     if not common:
         expected = f"a result that {a} has as well, one of {', '.join(MODELS)}"
@@ -146,7 +146,14 @@ def _or_none(text: str | None) -> str:
     return "none" if text is None else text
 
 
-def _results(folder: Path) -> dict[str, Provenance]:
+def results_in(folder: Path) -> dict[str, Provenance]:
+    """Return the results in a folder by file, the fit first.
+
+    Raises
+    ------
+    InputError
+        There is none, or one is damaged.
+    """
     results: dict[str, Provenance] = {}
     for name, model in MODELS.items():
         if (folder / name).is_file():

@@ -85,6 +85,12 @@ def one_of(names: Collection[str], value: str) -> str:
     return f"one of {', '.join(names)}{near(value, names)}"
 
 
+def first_of(names: Collection[str], most: int) -> str:
+    """Return the first names of many, and how many more there are."""
+    more = len(names) - most
+    return ", ".join(list(names)[:most]) + (f" and {more:,} more" if more > 0 else "")
+
+
 @contextmanager
 def writable(folder: Path | str) -> Iterator[None]:
     """Raise an InputError where something cannot be written into a folder."""

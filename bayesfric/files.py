@@ -9,10 +9,12 @@ import re
 import signal
 import threading
 import tomllib
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import Any, get_args
+from xml.etree import ElementTree
 
 from bayesfric.errors import Fault, InputError, near, one_of
 
@@ -86,6 +88,29 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError([Fault(name, "TOML that is not nested so deeply")]) from error
     except ValueError as error:  # Python's limit of 4,300 digits
         raise InputError([Fault(name, "TOML with numbers of reasonable length")]) from error
+
+
+def xml_root(content: bytes, name: str) -> ElementTree.Element:
+    """Return the root element of an XML file.
+
+    Parameters
+    ----------
+    content : bytes
+        The file.
+    name : str
+        What an error calls it.
+
+    Raises
+    ------
+    InputError
+        It is no XML, or declares entities, which may be endless.
+    """
+    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+        raise InputError([Fault(name, "XML without entities (<!DOCTYPE … >)")])
+    try:
+        return ElementTree.fromstring(content)
+    except (ElementTree.ParseError, ValueError, LookupError) as error:  # an unknown encoding
+        raise InputError([Fault(name, f"XML that parses ({error})")]) from error
 
 
 def key_faults(
@@ -210,21 +235,27 @@ def _digest(path: Path, size: int) -> bytes:
 
 
 @contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Defer SIGINT and SIGTERM to the end of the block."""
+def handling(handler: Callable[[int, FrameType | None], object]) -> Iterator[None]:
+    """Call a handler on SIGINT and SIGTERM within the block, except where they are ignored."""
     if threading.current_thread() is not threading.main_thread():
         yield  # only the main thread is interrupted
         return
-    came: list[int] = []
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    before = {
-        signal_number: signal.signal(signal_number, lambda number, _: came.append(number))
-        for signal_number in numbers
-    }
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    for number, own in before.items():
+        if own is not signal.SIG_IGN:
+            signal.signal(number, handler)
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+        for number, own in before.items():
+            signal.signal(number, signal.SIG_DFL if own is None else own)
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Defer SIGINT and SIGTERM to the end of the block."""
+    came: list[int] = []
+    with handling(lambda number, _: came.append(number)):
+        yield
     for first in came[:1]:
         signal.raise_signal(first)

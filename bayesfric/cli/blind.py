@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from bayesfric.cli import options
-from bayesfric.cli.exits import exit_status, failures_of
+from bayesfric.cli.exits import VERDICT_FAILURES, exit_status
 from bayesfric.cli.locks import hold
 from bayesfric.cli.printing import say
 
@@ -106,7 +106,7 @@ def _score(recording: Path, answer: Path, output: Path, analysis: "Analysis") ->
         (case,) = score_recording(output, read, answer, analysis).cases
     right = "correct" if case.correct else "not correct"
     say(f"{case.verdict} ({', '.join(case.causes) or 'no cause'}): {right}")
-    return failures_of(case.verdict)
+    return VERDICT_FAILURES[case.verdict]
 
 
 def _say_rates(scorecard: "ScorecardFile") -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bayesfric.cli import options
+from bayesfric.cli.asked import Asked
 from bayesfric.cli.exits import exit_status
 from bayesfric.cli.locks import hold
 from bayesfric.cli.printing import say, say_attention
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from concurrent.futures import Executor
 
-    from bayesfric.analysis import Analysis
     from bayesfric.schemas.claims import ClaimResult
 
 
@@ -52,19 +52,10 @@ def claims(
     if recording is None:
         raise options.unusable("a RECORDING, or --list")
     options.no_folder_for_junit(junit)
-    analysis, chosen = read_analysis(config, seed=seed), options.named_rigs(rigs)
+    analysis = read_analysis(config, seed=seed)
+    asked = Asked(analysis, options.named_rigs(rigs), baseline, quiet, verbose)
     with hold(output, "claims"), processes(workers) as executor:
-        happened = claims_into(
-            recording,
-            output,
-            analysis,
-            executor,
-            junit=junit,
-            rigs=chosen,
-            baseline=baseline,
-            quiet=quiet,
-            verbose=verbose,
-        )
+        happened = claims_into(recording, output, asked, executor, junit)
     if not quiet:
         say(f"{output / 'claims.json'}", err=True)
     return happened
@@ -94,14 +85,9 @@ def _list() -> None:
 def claims_into(
     recording: Path,
     output: Path,
-    analysis: "Analysis",
+    asked: Asked,
     executor: "Executor",
-    *,
     junit: Path | None = None,
-    rigs: list[str] | None,
-    baseline: str,
-    quiet: bool,
-    verbose: bool = False,
 ) -> set[str]:
     """Judge, write and print; return what happened that ``--fail-on`` can name."""
     from bayesfric.claims import check_claims
@@ -111,22 +97,22 @@ def claims_into(
     read = read_recording(recording)
     title = "comparing the claims with their rivals"
     checkpoint = output / ".checkpoint-claims"
-    with stage(title, quiet=quiet, longest_first=True) as progress:
+    with stage(title, quiet=asked.quiet, longest_first=True) as progress:
         checked = check_claims(
             read,
-            analysis,
-            posterior=current_posterior(output, read, analysis, baseline),
+            asked.analysis,
+            posterior=current_posterior(output, read, asked.analysis, asked.baseline),
             executor=executor,
-            rigs=rigs,
-            baseline=baseline,
+            rigs=asked.rigs,
+            baseline=asked.baseline,
             progress=progress,
             checkpoint=checkpoint,
         )
         checked.write(output, junit=junit)
     shutil.rmtree(checkpoint)
-    for line in claim_lines(checked.summary.claims, verbose=verbose):
+    for line in claim_lines(checked.summary.claims, verbose=asked.verbose):
         say(line)
-    if not (quiet or verbose):
+    if not (asked.quiet or asked.verbose):
         say("note: --verbose gives the reason of every verdict", err=True)
-    happened = say_attention(checked.summary.attention, quiet=quiet)
+    happened = say_attention(checked.summary.attention, quiet=asked.quiet)
     return happened | {"refuted"} if checked.refuted else happened

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from bayesfric.cli import options
-from bayesfric.cli.exits import exit_status, failures_of
+from bayesfric.cli.exits import VERDICT_FAILURES, exit_status
 from bayesfric.cli.locks import hold
 from bayesfric.cli.printing import say, say_attention
 from bayesfric.progress import stage
@@ -171,7 +171,7 @@ def diagnose_into(
     if summary.target is not None:
         for line in target_lines(summary.target):
             say(line)
-    return happened | failures_of(summary.verdict)
+    return happened | VERDICT_FAILURES[summary.verdict]
 
 
 def diagnosis_lines(summary: "DiagnosisFile", *, verbose: bool) -> "Iterator[str]":

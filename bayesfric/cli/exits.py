@@ -5,13 +5,12 @@ place that cannot be read or written; 3 interrupted; 70 a fault of our own.
 """
 
 import os
-import signal
 import sys
-import threading
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import wraps
+from itertools import chain
 from types import FrameType
 from typing import ParamSpec
 
@@ -20,20 +19,10 @@ import typer
 from bayesfric.cli.printing import say
 from bayesfric.cli.surroundings import prepare
 from bayesfric.errors import Fault, InputError, one_of
+from bayesfric.files import handling
 
 P = ParamSpec("P")
 SHOWN_FAULTS = 50
-FAILURES = (
-    "refuted",
-    "unconverged",
-    "attention",
-    "gap",
-    "undecided",
-    "spec",
-    "changed",
-    "uncalibrated",
-)
-"""What ``--fail-on`` can name."""
 CAN_HAPPEN = {
     "run": ("refuted", "unconverged", "attention", "gap", "undecided", "spec"),
     "simulate": (),
@@ -46,7 +35,9 @@ CAN_HAPPEN = {
     "compare": ("changed",),
     "rerun": ("changed",),
 }
-"""Which of them each verb can have."""
+"""What can happen in each verb that ``--fail-on`` can name."""
+FAILURES = tuple(dict.fromkeys(chain.from_iterable(CAN_HAPPEN.values())))
+"""What ``--fail-on`` can name in any verb."""
 VERDICT_FAILURES = {
     "named": {"gap"},
     "unseparated": {"gap"},
@@ -54,6 +45,7 @@ VERDICT_FAILURES = {
     "undecided": {"undecided"},
     "no-gap": set[str](),
 }
+"""Which of :data:`FAILURES` each verdict of a diagnosis is."""
 
 
 def exit_status(verb: Callable[P, set[str] | None]) -> Callable[P, None]:
@@ -66,7 +58,7 @@ def exit_status(verb: Callable[P, set[str] | None]) -> Callable[P, None]:
     @wraps(verb)
     def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
-            with _signals_raise():
+            with handling(_interrupt):  # so that a verb cleans up
                 prepare()
                 names = str(kwargs.get("fail_on_list", ""))
                 if names:
@@ -114,10 +106,6 @@ def _cannot(error: OSError) -> None:
     place = error.filename if isinstance(error.filename, str) else "standard output"
     expected = f"a place that can be read and written ({error.strerror or error})"
     say(f"error: {Fault(place, expected)}", err=True)
-    with suppress(OSError):
-        sys.stdout.flush()
-        return
-    _forget_what_is_unprinted()
 
 
 def _forget_what_is_unprinted() -> None:
@@ -127,25 +115,8 @@ def _forget_what_is_unprinted() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), standard.fileno())
 
 
-@contextmanager
-def _signals_raise() -> Iterator[None]:
-    """Let both SIGINT and SIGTERM raise KeyboardInterrupt, so that a verb cleans up."""
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    if threading.current_thread() is not threading.main_thread():
-        yield  # only the main thread handles signals
-        return
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    for number, handler in before.items():
-        if handler is not signal.SIG_IGN:
-            signal.signal(number, interrupt)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
 
 
 def check_fail_on(names: str, verb: str) -> None:
@@ -164,18 +135,18 @@ def check_fail_on(names: str, verb: str) -> None:
         A name is unknown.
     """
     given = sorted(_names_of(names))
-    unknown = [name for name in given if name not in FAILURES]
-    if unknown:
-        raise InputError(
-            [
-                Fault("command line", one_of(FAILURES, name), column="--fail-on", value=name)
-                for name in unknown
-            ]
-        )
+    faults = [
+        Fault("command line", one_of(FAILURES, name), column="--fail-on", value=name)
+        for name in given
+        if name not in FAILURES
+    ]
+    if faults:
+        raise InputError(faults)
+    can_happen = ", ".join(CAN_HAPPEN[verb]) or "none of them"
     for name in given:
         if name not in CAN_HAPPEN[verb]:
-            said = f"--fail-on {name} never happens in `{verb}`, which can report: {_listed(verb)}"
-            say(f"note: {said}", err=True)
+            note = f"--fail-on {name} never happens in `{verb}`, which can report: {can_happen}"
+            say(f"note: {note}", err=True)
 
 
 def fail_on(names: str, happened: set[str]) -> None:
@@ -196,14 +167,5 @@ def fail_on(names: str, happened: set[str]) -> None:
         raise typer.Exit(1)
 
 
-def _listed(verb: str) -> str:
-    return ", ".join(CAN_HAPPEN[verb]) or "none of them"
-
-
 def _names_of(names: str) -> set[str]:
     return {name.strip() for name in names.split(",") if name.strip()}
-
-
-def failures_of(verdict: str) -> set[str]:
-    """Return which of :data:`FAILURES` a verdict of a diagnosis is."""
-    return VERDICT_FAILURES[verdict]

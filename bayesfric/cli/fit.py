@@ -2,7 +2,7 @@
 
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bayesfric.cli import options
+from bayesfric.cli.asked import Asked
 from bayesfric.cli.exits import exit_status
 from bayesfric.cli.locks import hold
 from bayesfric.cli.printing import say, say_attention
@@ -17,21 +18,9 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
-    from bayesfric.analysis import Analysis
     from bayesfric.fitting.result import Fit
     from bayesfric.recording.tables import Recording
     from bayesfric.schemas import FitFile
-
-
-@dataclass(frozen=True)
-class _Asked:
-    """What every fit of a call is asked for."""
-
-    analysis: "Analysis"
-    rigs: Sequence[str] | None
-    baseline: str
-    csv: bool
-    quiet: bool
 
 
 @exit_status
@@ -61,43 +50,38 @@ def fit(
     from bayesfric.analysis import read_analysis
 
     analysis = read_analysis(config, seed=seed)
-    chosen = options.named_rigs(rigs)
+    asked = Asked(analysis, options.named_rigs(rigs), baseline, quiet)
     with hold(output, "fit"):
-        return fit_into(
-            recordings, output, analysis, rigs=chosen, baseline=baseline, csv=csv, quiet=quiet
-        )
+        return fit_into(recordings, output, asked, csv=csv)
 
 
 def fit_into(
     recordings: Sequence[Path],
     output: Path,
-    analysis: "Analysis",
+    asked: Asked,
     *,
-    rigs: list[str] | None,
-    baseline: str,
     csv: bool = False,
-    loops: list[Path] | None = None,
-    quiet: bool,
+    loops: Sequence[Path] = (),
 ) -> set[str]:
     """Fit, write and print; return what happened that ``--fail-on`` can name."""
     from bayesfric.recording import read_recording
 
     inputs = {
         kind: [relpath(path, output) for path in paths]
-        for kind, paths in {"recording": recordings, "loops": loops or []}.items()
+        for kind, paths in {"recording": recordings, "loops": loops}.items()
     }
-    asked = _Asked(analysis, rigs, baseline, csv, quiet)
     if len(recordings) > 1:
-        summary = _pooled(recordings, output, asked, inputs)
+        summary = _pooled(recordings, output, asked, inputs, csv=csv)
     else:
-        summary = _fitted(read_recording(recordings[0]), output, asked, inputs).summary
+        recording = read_recording(recordings[0])
+        summary = _fitted(recording, output, asked, inputs, csv=csv).summary
         _print_coefficients(summary)
-    happened = say_attention(summary.attention, quiet=quiet)
+    happened = say_attention(summary.attention, quiet=asked.quiet)
     return happened if summary.converged else happened | {"unconverged"}
 
 
 def _fitted(
-    recording: "Recording", output: Path, asked: _Asked, inputs: dict[str, list[str]]
+    recording: "Recording", output: Path, asked: Asked, inputs: dict[str, list[str]], *, csv: bool
 ) -> "Fit":
     """Fit one recording and write it."""
     from bayesfric.fitting.posterior import fit as fit_recording
@@ -112,13 +96,13 @@ def _fitted(
             baseline=asked.baseline,
             rigs=asked.rigs,
         )
-        result.write(output, csv=asked.csv, inputs=inputs)
+        result.write(output, csv=csv, inputs=inputs)
     shutil.rmtree(checkpoint)
     return result
 
 
 def _pooled(
-    folders: Sequence[Path], output: Path, asked: _Asked, inputs: dict[str, list[str]]
+    folders: Sequence[Path], output: Path, asked: Asked, inputs: dict[str, list[str]], *, csv: bool
 ) -> "FitFile":
     """Fit several recordings, each by itself and then all as boards of one population."""
     from bayesfric.fitting.pooled import board_folder, check_boards, pool
@@ -129,10 +113,10 @@ def _pooled(
     fits = {}
     for (name, recording), path in zip(recordings.items(), folders, strict=True):
         own = output / board_folder(name)
-        fits[name] = _fitted(recording, own, asked, {"recording": [relpath(path, own)]})
+        fits[name] = _fitted(recording, own, asked, {"recording": [relpath(path, own)]}, csv=csv)
     with stage("pooling the boards", quiet=asked.quiet) as progress:
         result = pool(recordings, fits, asked.analysis, progress=progress)
-    result.write(output, csv=asked.csv, inputs=inputs)
+    result.write(output, csv=csv, inputs=inputs)
     _print_population(result.summary)
     return result.summary
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, writable
 
 LOCK = ".lock"
 BEHIND = 1 << 20  # byte that Windows locks: behind all that the file says, which stays readable
@@ -36,14 +36,12 @@ def hold(folder: Path, verb: str) -> Iterator[None]:
     if (folder / "datapackage.json").exists():
         raise InputError([Fault(str(folder), "a folder for results; this one is a recording")])
     made = [parent for parent in (folder, *folder.parents) if not parent.exists()]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        descriptor = _lock(folder / LOCK)
-    except FileExistsError as error:
-        raise InputError([Fault(str(folder), "a folder, not a file, to write into")]) from error
-    except OSError as error:
-        expected = f"a folder that can be written ({error.strerror or error})"
-        raise InputError([Fault(str(folder), expected)]) from error
+    with writable(folder):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            descriptor = _lock(folder / LOCK)
+        except FileExistsError as error:
+            raise InputError([Fault(str(folder), "a folder, not a file, to write into")]) from error
     try:
         owner = f"process {os.getpid()} on {socket.gethostname()}, bayesfric {verb}"
         os.truncate(descriptor, 0)

@@ -1,12 +1,12 @@
 """``bayesfric margins``: what the uncertainty of friction does to controllers."""
 
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from bayesfric.cli import options
+from bayesfric.cli.asked import Asked
 from bayesfric.cli.exits import exit_status
 from bayesfric.cli.locks import hold
 from bayesfric.cli.new_file import write_new
@@ -14,19 +14,8 @@ from bayesfric.cli.printing import say, say_attention
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
-    from bayesfric.analysis import Analysis
     from bayesfric.schemas.loop_runs import Verification
     from bayesfric.schemas.margins import LoopMargins, Metric
-
-
-class LawName(StrEnum):
-    """Laws that margins can be of."""
-
-    fitted = "fitted"
-    refitted = "refitted"
-
-
-MEASURE_THAT = ": measure that."  # ends what an answer says of the number that it rests on most
 Loops = Annotated[
     list[Path] | None, typer.Argument(help="Loop files (docs/loop.md), or names of bundled loops.")
 ]
@@ -42,7 +31,7 @@ Diagnosis = Annotated[
     ),
 ]
 Law = Annotated[
-    LawName | None,
+    Literal["fitted", "refitted"] | None,
     options.switch(
         "--law",
         "refitted: the law with the causes that the diagnosis names; fitted: the law alone. "
@@ -111,21 +100,19 @@ def margins(
         loop_path(loop)
     if mat is not None:
         checked_name(mat)
-    analysis = read_analysis(config, seed=seed)
+    asked = Asked(read_analysis(config, seed=seed), quiet=quiet, verbose=verbose)
     with hold(output, "margins"):
         return margins_into(
             loops,
             draws,
             output,
-            analysis,
+            asked,
             diagnosis=diagnosis,
-            law=None if law is None else law.value,
+            law=law,
             verify=verify,
             tune=tune,
             ensembles=ensembles,
             mat=mat,
-            quiet=quiet,
-            verbose=verbose,
         )
 
 
@@ -133,32 +120,30 @@ def margins_into(
     loops: list[Path],
     draws: Path,
     output: Path,
-    analysis: "Analysis",
+    asked: Asked,
     *,
     mat: Path | None = None,
-    quiet: bool,
-    verbose: bool = False,
-    **asked: Any,
+    **computed_with: Any,
 ) -> set[str]:
     """Compute margins, write and print them; return what happened that ``--fail-on`` can name."""
     from bayesfric.margins import compute_margins
     from bayesfric.margins.matlab import write_mat
 
-    with stage("computing margins", quiet=quiet) as progress:
-        computed = compute_margins(loops, draws, analysis, progress=progress, **asked)
+    with stage("computing margins", quiet=asked.quiet) as progress:
+        computed = compute_margins(loops, draws, asked.analysis, progress=progress, **computed_with)
     computed.write(output)
     if mat is not None:
         write_mat(mat, computed.ensembles)
     if computed.summary.law is not None:
         _say_sentences(computed.summary.law.sentence)
-    happened = say_attention(computed.summary.attention, quiet=quiet)
+    happened = say_attention(computed.summary.attention, quiet=asked.quiet)
     for loop in computed.summary.loops:
-        _say_loop(loop, verbose=verbose)
+        _say_loop(loop, verbose=asked.verbose)
         believed = loop.with_effects or loop
         if believed.missed_specs:
             happened.add("spec")
-        if not quiet:
-            _say_warnings(loop, verbose=verbose)
+        if not asked.quiet:
+            _say_warnings(loop, verbose=asked.verbose)
     return happened
 
 
@@ -218,11 +203,11 @@ def _called(name: str, direction: str) -> str:
 
 def _answer(answer: str, *, verbose: bool) -> str:
     """Return an answer; without `verbose`, its verdict, and what it rests on most or too few."""
-    from bayesfric.margins.terms import FEW_DRAWS
+    from bayesfric.margins.terms import FEW_DRAWS, MEASURE_IT
     from bayesfric.report.words import sentences
 
     verdict, *others = sentences(answer)
-    kept = [line for line in others if verbose or FEW_DRAWS in line or line.endswith(MEASURE_THAT)]
+    kept = [line for line in others if verbose or FEW_DRAWS in line or line.endswith(MEASURE_IT)]
     return " ".join([verdict, *kept])
 
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, writable
 
 
 def write_new(path: Path, text: str) -> None:
@@ -20,11 +20,8 @@ def write_new(path: Path, text: str) -> None:
     InputError
         There is a file of this name, which is left as it is, or the folder cannot be written.
     """
-    try:
+    with writable(path):
+        if path.exists():
+            raise InputError([Fault(str(path), "no file of this name; nothing is written")])
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
-    except FileExistsError:
-        raise InputError([Fault(str(path), "no file of this name; nothing is written")]) from None
-    except OSError as error:
-        expected = f"a folder that can be written ({error.strerror})"
-        raise InputError([Fault(str(path), expected)]) from None

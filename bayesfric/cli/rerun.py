@@ -1,14 +1,14 @@
 """``bayesfric rerun``: a stored run once more, and what differs."""
 
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from bayesfric.cli import options
+from bayesfric.cli.asked import Asked
 from bayesfric.cli.claims import claims_into
 from bayesfric.cli.diagnose import diagnose_into, diagnosed
 from bayesfric.cli.exits import exit_status
@@ -19,15 +19,13 @@ from bayesfric.cli.printing import say
 from bayesfric.errors import Fault, InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
     from concurrent.futures import Executor
 
-    from pydantic import BaseModel
-
     from bayesfric.analysis import Analysis
-    from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile
+    from bayesfric.diagnosis.diagnosed import Diagnosed
+    from bayesfric.schemas import DiagnosisFile, MarginsFile
     from bayesfric.schemas.base import Provenance
-
-    Read = TypeVar("Read", bound=BaseModel)
 
 
 @exit_status
@@ -50,16 +48,19 @@ def rerun(
     Example: bayesfric rerun my-results --fail-on changed
     """
     from bayesfric.campaign import processes
-    from bayesfric.comparing import compare, comparison_text
+    from bayesfric.comparing import compare, comparison_text, results_in
 
     if output is not None and output.resolve() == folder.resolve():
         expected = "a folder other than that of the run"
         raise options.unusable(expected, "--output")
-    stored = _stored(folder)
+    if not any((folder / f"{name}.json").is_file() for name in ("fit", "claims", "diagnosis")):
+        expected = "a folder with fit.json, claims.json or diagnosis.json"
+        raise InputError([Fault(str(folder), expected)])
+    records = results_in(folder)
     with TemporaryDirectory(prefix="bayesfric-") as scratch:
         again = Path(scratch) if output is None else output
         with hold(again, "rerun"), processes(workers) as executor:
-            _repeat(folder, stored, again, recording, executor, quiet)
+            _repeat(folder, records, again, recording, executor, quiet)
         comparison = compare(folder, again)
         for line in comparison_text(comparison):
             say(line)
@@ -69,109 +70,71 @@ def rerun(
     return set() if comparison.same else {"changed"}
 
 
-@dataclass(frozen=True)
-class _Stored:
-    """What is in the folder of a run, and where what it was given is."""
-
-    fitted: "FitFile | None"
-    claims: "ClaimsFile | None"
-    diagnosis: "DiagnosisFile | None"
-    inputs: "dict[str, tuple[str, ...]]"
-
-    @property
-    def records(self) -> "list[Provenance]":
-        """All of it that is there."""
-        return [
-            record for record in (self.fitted, self.claims, self.diagnosis) if record is not None
-        ]
-
-
-def _stored(folder: Path) -> _Stored:
-    """Read what was run into a folder."""
-    from bayesfric.results import read_json
-    from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, TimingsFile
-
-    def read(model: "type[Read]", name: str) -> "Read | None":
-        return read_json(model, folder / f"{name}.json") if _has(folder, name) else None
-
-    timings = read(TimingsFile, "timings")
-    stored = _Stored(
-        read(FitFile, "fit"),
-        read(ClaimsFile, "claims"),
-        read(DiagnosisFile, "diagnosis"),
-        {} if timings is None else timings.inputs,
-    )
-    if not stored.records:
-        expected = "a folder with fit.json, claims.json or diagnosis.json"
-        raise InputError([Fault(str(folder), expected)])
-    return stored
-
-
 def _repeat(
     folder: Path,
-    stored: _Stored,
+    records: "dict[str, Provenance]",
     again: Path,
     recording: Path | None,
     executor: "Executor",
     quiet: bool,
 ) -> None:
     """Run the verbs whose results are in a folder, into another one."""
+    from bayesfric.results import read_json
+    from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, MarginsFile, TimingsFile
+
+    timings = folder / "timings.json"
+    inputs = read_json(TimingsFile, timings).inputs if timings.is_file() else {}
+    first = next(iter(records.values()))
+    sources = _sources(folder, first, recording, inputs.get("recording", ()))
+    for name, record in records.items():
+        settings = _settings(record, name)
+        if isinstance(record, FitFile):
+            fit_into(sources, again, Asked(settings, record.rigs, record.baseline, quiet))
+        elif isinstance(record, ClaimsFile):
+            asked = Asked(settings, record.rigs or None, record.baseline, quiet)
+            claims_into(sources[0], again, asked, executor)
+        elif isinstance(record, DiagnosisFile):
+            compute = _diagnosing(record, sources[0], again, settings, executor, quiet)
+            diagnose_into(again, compute, quiet=quiet)
+        elif isinstance(record, MarginsFile) and "fit.json" in records:
+            loops = [folder / path for path in inputs.get("loops", ())]
+            _repeat_margins(record, again, Asked(settings, quiet=quiet), loops)
+
+
+def _diagnosing(
+    stored: "DiagnosisFile",
+    recording: Path,
+    again: Path,
+    settings: "Analysis",
+    executor: "Executor",
+    quiet: bool,
+) -> "Callable[[], Diagnosed]":
+    """Return the computation of a diagnosis with what the stored one was asked for."""
     from bayesfric.diagnosis.target import conditions_of
 
-    fitted, claims, diagnosis = stored.fitted, stored.claims, stored.diagnosis
-    inputs, records = stored.inputs, stored.records
-    sources = _boards(folder, fitted, recording, inputs)
-    source = sources[0] if sources else _recording(folder, recording, inputs, records[0])
-    if fitted is not None:
-        fit_into(
-            sources or [source],
-            again,
-            _settings(fitted, "fit.json"),
-            rigs=list(fitted.rigs),
-            baseline=fitted.baseline,
-            quiet=quiet,
-        )
-    if claims is not None:
-        claims_into(
-            source,
-            again,
-            _settings(claims, "claims.json"),
-            executor,
-            rigs=list(claims.rigs) or None,
-            baseline=claims.baseline,
-            quiet=quiet,
-        )
-    if diagnosis is not None:
-        own = diagnosis.simulator  # one of the recording's own needs no naming
-        compute = partial(
-            diagnosed,
-            source,
-            again,
-            _settings(diagnosis, "diagnosis.json"),
-            baseline=diagnosis.baseline if own is None else "paper",
-            simulator=own.name if own is not None and own.calls else None,
-            fixed=diagnosis.fixed,
-            replay=any(joint.replay is not None for joint in (diagnosis, *diagnosis.joints)),
-            shipped=diagnosis.shipped,
-            target=None if diagnosis.target is None else conditions_of(diagnosis.target),
-            executor=executor,
-            announce=None if quiet else partial(say, err=True),
-        )
-        diagnose_into(again, compute, quiet=quiet)
-    if _has(folder, "margins") and fitted is not None:
-        loops = [folder / path for path in inputs.get("loops", ())]
-        _repeat_margins(folder, again, loops, quiet)
+    own = stored.simulator  # one of the recording's own needs no naming
+    return partial(
+        diagnosed,
+        recording,
+        again,
+        settings,
+        baseline=stored.baseline if own is None else "paper",
+        simulator=own.name if own is not None and own.calls else None,
+        fixed=stored.fixed,
+        replay=any(joint.replay is not None for joint in (stored, *stored.joints)),
+        shipped=stored.shipped,
+        target=None if stored.target is None else conditions_of(stored.target),
+        executor=executor,
+        announce=None if quiet else partial(say, err=True),
+    )
 
 
-def _repeat_margins(folder: Path, again: Path, loops: list[Path], quiet: bool) -> None:
+def _repeat_margins(stored: "MarginsFile", again: Path, asked: Asked, loops: list[Path]) -> None:
     """Compute margins over the new draws, with what the stored ones were asked for."""
     from bayesfric.analysis import settings_sha256
     from bayesfric.margins import read_loop
     from bayesfric.resources import bundled_loops
-    from bayesfric.results import read_json
-    from bayesfric.schemas import MarginsFile
 
-    stored = read_json(MarginsFile, folder / "margins.json")
     there = [*bundled_loops().values(), *(path for path in loops if path.is_file())]
     path_of_loop = {settings_sha256(read_loop(path)): path for path in there}
     if unknown := [loop.name for loop in stored.loops if loop.loop_sha256 not in path_of_loop]:
@@ -181,25 +144,20 @@ def _repeat_margins(folder: Path, again: Path, loops: list[Path], quiet: bool) -
     used = "fitted" if stored.law is None else stored.law.used
     beside = any(loop.with_effects is not None for loop in stored.loops)
     diagnosed = beside or used == "refitted"
-    if diagnosed and not _has(again, "diagnosis"):
+    if diagnosed and not (again / "diagnosis.json").is_file():
         say("margins.json is not repeated: its diagnosis is not in the folder", err=True)
         return
     margins_into(
         [path_of_loop[loop.loop_sha256] for loop in stored.loops],
         again / "draws.nc",
         again,
-        _settings(stored, "margins.json"),
+        asked,
         diagnosis=again / "diagnosis.json" if diagnosed else None,
         law=used,
         verify=max(loop.verification.draws if loop.verification else 0 for loop in stored.loops),
         tune=any(loop.tuning is not None for loop in stored.loops),
         ensembles=any(loop.following is not None for loop in stored.loops),
-        quiet=quiet,
     )
-
-
-def _has(folder: Path, name: str) -> bool:
-    return (folder / f"{name}.json").is_file()
 
 
 def _settings(record: "Provenance", name: str) -> "Analysis":
@@ -211,41 +169,27 @@ def _settings(record: "Provenance", name: str) -> "Analysis":
     return checked_analysis(record.analysis, name)
 
 
-def _boards(
-    folder: Path,
-    fitted: "FitFile | None",
-    given: Path | None,
-    inputs: dict[str, tuple[str, ...]],
+def _sources(
+    folder: Path, record: "Provenance", given: Path | None, inputs: "Sequence[str]"
 ) -> list[Path]:
-    """Return where the recordings of a fit of several are; none where it is of one."""
-    if fitted is None or fitted.pooled is None:
-        return []
-    folders = [folder / path for path in inputs.get("recording", ())]
-    if given is not None or not folders or not all(path.is_dir() for path in folders):
-        expected = (
-            f"the {len(fitted.pooled.boards)} recordings of this fit where it had them; "
-            "else `bayesfric fit` with all of them"
-        )
-        raise options.unusable(expected, "--recording")
-    return folders
-
-
-def _recording(
-    folder: Path,
-    given: Path | None,
-    inputs: dict[str, tuple[str, ...]],
-    record: "Provenance",
-) -> Path:
-    """Return where the recording of a run is."""
+    """Return where the recordings of a run are: several if its fit is of several boards."""
     from bayesfric.recording import read_recording
     from bayesfric.resources import bundled_recording
+    from bayesfric.schemas import FitFile
 
-    if given is not None:
-        return given
-    for path in inputs.get("recording", ()):
-        if (folder / path).is_dir():
-            return folder / path
+    folders = [folder / path for path in inputs]
+    there = [path for path in folders if path.is_dir()]
+    if isinstance(record, FitFile) and record.pooled is not None:
+        if given is not None or not folders or there != folders:
+            expected = (
+                f"the {len(record.pooled.boards)} recordings of this fit where it had them; "
+                "else `bayesfric fit` with all of them"
+            )
+            raise options.unusable(expected, "--recording")
+        return folders
+    if given is not None or there:
+        return [given or there[0]]
     if read_recording(bundled_recording()).sha256 == record.recording.sha256:
-        return bundled_recording()
+        return [bundled_recording()]
     expected = f"the folder of the recording {record.recording.name}: --recording FOLDER"
     raise options.unusable(expected, "--recording")

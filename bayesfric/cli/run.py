@@ -2,11 +2,12 @@
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from bayesfric.cli import options
+from bayesfric.cli.asked import Asked
 from bayesfric.cli.claims import claims_into
 from bayesfric.cli.diagnose import diagnose_into, diagnosed
 from bayesfric.cli.exits import exit_status
@@ -19,7 +20,6 @@ from bayesfric.cli.report import report_into
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from bayesfric.analysis import Analysis
     from bayesfric.cli.stages import Stages
     from bayesfric.diagnosis.diagnosed import Diagnosed
 
@@ -60,7 +60,8 @@ def run(
     from bayesfric.resources import bundled_recording
 
     options.no_folder_for_junit(junit)
-    analysis, chosen = read_analysis(config, seed=seed), options.named_rigs(rigs)
+    analysis = read_analysis(config, seed=seed)
+    asked = Asked(analysis, options.named_rigs(rigs), baseline, quiet, verbose)
     loops = [loop_path(file) for file in loop or []]
     for file in loops:  # a fault in one, likewise
         read_loop(file)
@@ -69,16 +70,12 @@ def run(
         happened = run_into(
             recording if recording is not None else bundled_recording(),
             output,
-            analysis,
+            asked,
             executor,
             of_diagnosis,
             loops=loops,
             junit=junit,
-            rigs=chosen,
-            baseline=baseline,
             beside=workers > 1,
-            quiet=quiet,
-            verbose=verbose,
         )
     if not quiet:
         say(f"{output / 'report.pdf'}", err=True)
@@ -88,17 +85,13 @@ def run(
 def run_into(
     recording: Path,
     output: Path,
-    analysis: "Analysis",
+    asked: Asked,
     executor: "Executor",
     of_diagnosis: "Executor",
     *,
     loops: list[Path],
-    junit: Path | None = None,
-    rigs: list[str] | None,
-    baseline: str,
+    junit: Path | None,
     beside: bool,
-    quiet: bool,
-    verbose: bool = False,
 ) -> set[str]:
     """Run all verbs and the report; return what happened that ``--fail-on`` can name.
 
@@ -110,18 +103,11 @@ def run_into(
     from bayesfric.results import read_json
     from bayesfric.schemas import ClaimsFile
 
-    asked: dict[str, Any] = {"rigs": rigs, "baseline": baseline}
-    spoken: dict[str, Any] = {"quiet": quiet, "verbose": verbose}
-    stages = Stages(output, _key(recording, analysis, loops, rigs, baseline), quiet=quiet)
-
-    diagnosing = partial(diagnosed, recording, output, analysis, baseline=baseline)
+    stages = Stages(output, _key(recording, asked, loops), quiet=asked.quiet)
+    diagnosing = partial(diagnosed, recording, output, asked.analysis, baseline=asked.baseline)
     begun = of_diagnosis.submit(diagnosing) if beside and not stages.stands("diagnosis") else None
-    happened = stages.after(
-        "fit", lambda: fit_into([recording], output, analysis, loops=loops, quiet=quiet, **asked)
-    )
-    happened |= stages.after(
-        "claims", lambda: claims_into(recording, output, analysis, executor, **asked, **spoken)
-    )
+    happened = stages.after("fit", lambda: fit_into([recording], output, asked, loops=loops))
+    happened |= stages.after("claims", lambda: claims_into(recording, output, asked, executor))
     if junit is not None:  # whether the claims were judged now or before
         write_junit(read_json(ClaimsFile, output / "claims.json"), junit)
     elsewhere: dict[str, float] = {}
@@ -131,18 +117,17 @@ def run_into(
         elsewhere["diagnosis"] = result.seconds
         return result
 
-    shown = partial(diagnose_into, output, diagnosis, **spoken)
+    shown = partial(diagnose_into, output, diagnosis, quiet=asked.quiet, verbose=asked.verbose)
     happened |= stages.after("diagnosis", shown, elsewhere=elsewhere)
     if loops:
         happened |= stages.after(
-            "margins",
-            lambda: margins_into(loops, output / "draws.nc", output, analysis, **spoken),
+            "margins", lambda: margins_into(loops, output / "draws.nc", output, asked)
         )
     read = digest_of_results(output, *REPORT, TIMINGS)
-    stages.after("report", lambda: report_into(output, None, quiet), read=read)
+    stages.after("report", lambda: report_into(output, None, asked.quiet), read=read)
     if stages.computed:
         _add_timings(output / TIMINGS, stages)
-    elif not quiet:
+    elif not asked.quiet:
         say(f"nothing has changed: to compute again, empty {output} or name another -o", err=True)
     return happened
 
@@ -159,13 +144,7 @@ def _add_timings(path: Path, stages: "Stages") -> None:
     stages.rewritten(path)
 
 
-def _key(
-    recording: Path,
-    analysis: "Analysis",
-    loops: list[Path],
-    rigs: list[str] | None,
-    baseline: str,
-) -> dict[str, object]:
+def _key(recording: Path, asked: Asked, loops: list[Path]) -> dict[str, object]:
     """Return all that the results of a run depend on."""
     from bayesfric.analysis import settings_sha256
     from bayesfric.checkpoint import code_sha256
@@ -178,10 +157,10 @@ def _key(
         "recording": str(recording.resolve()),
         "tables": read_recording(recording).sha256,
         "descriptor": digest(recording / PACKAGE_FILE),
-        "analysis": settings_sha256(analysis),
+        "analysis": settings_sha256(asked.analysis),
         "loops": [digest(path) for path in loops],
-        "rigs": rigs,
-        "baseline": baseline,
+        "rigs": asked.rigs,
+        "baseline": asked.baseline,
         "created": created_date(None),
         "versions": package_versions(),
         "code": code_sha256(),

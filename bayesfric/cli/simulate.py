@@ -1,9 +1,8 @@
 """``bayesfric simulate``: make a synthetic recording."""
 
 import math
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -13,25 +12,16 @@ from bayesfric.cli.printing import say
 from bayesfric.progress import stage
 
 
-class ProtocolName(StrEnum):
-    """Designs that the command offers."""
-
-    paper = "paper"
-    quick = "quick"
-    axis = "axis"
-    points = "points"
-
-
 @exit_status
 def simulate(
     folder: Annotated[Path, typer.Argument(help="New folder; refused if it is not empty.")],
     protocol: Annotated[
-        ProtocolName,
+        Literal["paper", "quick", "axis", "points"],
         typer.Option(
             help="paper or quick: about 600 trials of the board with weights, or 180, and the "
             "motor board; axis: a driven axis; points: steady friction points."
         ),
-    ] = ProtocolName.paper,
+    ] = "paper",
     effect: Annotated[
         list[str] | None,
         options.worded(
@@ -59,7 +49,7 @@ def simulate(
     strengths = _strengths(effect or [])
     with stage("simulating", quiet=quiet):
         recording = simulate_recording(
-            protocol.value,
+            protocol,
             seed=analysis.seed,
             name=folder.resolve().name,
             created=created_date(None),

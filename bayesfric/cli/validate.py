@@ -27,16 +27,12 @@ def validate(
     """
     from bayesfric.analysis import read_analysis
     from bayesfric.recording import describe_recording, read_recording
-    from bayesfric.rigs.opening import remarks_of
+    from bayesfric.rigs.opening import left_out, remarks_of
 
     analysis = read_analysis(config)
     read = read_recording(recording)
-    for label, text in describe_recording(read):
+    for label, text in (*describe_recording(read), *remarks_of(read)):
         say(f"{label:<16} {text}")
-    for label, text in remarks_of(read):
-        say(f"{label:<16} {text}")
-    from bayesfric.rigs.opening import left_out
-
     for fault in left_out(read):
         say(f"note: left out: {fault}", err=True)
     for note in read.notes:

@@ -53,8 +53,13 @@ class Stamps:
         return next((stamp for stamp in self.seconds if stamp is not None), None)
 
 
+def is_stamp(text: str) -> bool:
+    """Return whether a text is a time of day, or a date and time of ISO 8601."""
+    return bool(CLOCK.fullmatch(text) or ISO.fullmatch(text))
+
+
 def stamps_of(
-    cells: Sequence[str | None], unit: str, file: str, column: str, first_row: int = 2
+    cells: Sequence[str | None], unit: str, file: str, column: str, first_row: int
 ) -> Stamps:
     """Return the stamps of a column.
 

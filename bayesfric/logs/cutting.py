@@ -11,7 +11,7 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.clock import DECIMALS
 from bayesfric.logs.mapping import Run
-from bayesfric.logs.ordering import GAP, Series, gaps_of
+from bayesfric.logs.ordering import GAP, Series, counted, gaps_of
 
 COLUMNS = {"force": "force_n", "known_force": "known_force_n", "temperature": "temperature_c"}
 """Signals that are interpolated linearly at the times of the positions, and their columns."""
@@ -79,12 +79,14 @@ def cut(
     """
     position = signals["position"]
     begin, end = span_of(name, signals)
-    unsaid = {key: _unsaid(position.time_s, signals[key]) for key in NOT_BRIDGED if key in signals}
+    unlogged = {
+        key: _unlogged(position.time_s, signals[key]) for key in NOT_BRIDGED if key in signals
+    }
     frames, faults = [], []
     for window in windows:
         low, high = max(window.begin_s, begin), min(window.end_s, end)
         inside = (position.time_s >= low) & (position.time_s <= high)
-        for without in unsaid.values():
+        for without in unlogged.values():
             inside &= ~without
         if inside.sum() < 2:
             faults.append(Fault(name, "samples in the run", column=f"runs.{window.run.name}"))
@@ -104,7 +106,7 @@ def cut(
         frames.append(pd.DataFrame(columns))
     if faults:
         raise InputError(faults)
-    return frames, _notes(signals, unsaid)
+    return frames, _notes(signals, unlogged)
 
 
 def _held(time: Array, command: Series, origin_s: float) -> dict[str, Array]:
@@ -117,14 +119,13 @@ def _held(time: Array, command: Series, origin_s: float) -> dict[str, Array]:
     return columns
 
 
-def _notes(signals: dict[str, Series], unsaid: dict[str, Flags]) -> list[str]:
+def _notes(signals: dict[str, Series], unlogged: dict[str, Flags]) -> list[str]:
     notes, position = [], signals["position"]
-    for key, without in unsaid.items():
+    for key, without in unlogged.items():
         if without.any():
             called = key.replace("_", " ")
-            notes.append(
-                f"{_counted(int(without.sum()))} in which no {called} was logged left out."
-            )
+            samples = counted(int(without.sum()), "sample")
+            notes.append(f"{samples} in which no {called} was logged left out.")
     for key in COLUMNS:
         if key in signals and not np.array_equal(position.time_s, signals[key].time_s):
             called = key.replace("_", " ").capitalize()
@@ -153,7 +154,7 @@ def _held_ends(position: Series, temperature: Series) -> list[str]:
     ]
 
 
-def _unsaid(time_s: Array, force: Series) -> Flags:
+def _unlogged(time_s: Array, force: Series) -> Flags:
     """Return where a force was not logged for several intervals, (N,): no interpolation there."""
     begin, end = gaps_of(force)
     if not begin.size:
@@ -161,7 +162,3 @@ def _unsaid(time_s: Array, force: Series) -> Flags:
     gap = np.searchsorted(begin, time_s, side="left") - 1
     inside: Flags = (gap >= 0) & (time_s < end[gap])
     return inside
-
-
-def _counted(samples: int) -> str:
-    return "1 sample" if samples == 1 else f"{samples:,} samples"

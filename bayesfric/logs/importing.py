@@ -4,9 +4,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
-import numpy as np
 import pandas as pd
 
 from bayesfric.errors import Fault, InputError
@@ -19,11 +18,13 @@ from bayesfric.logs.mapping_file import read_mapping
 from bayesfric.logs.readers import read_log
 from bayesfric.logs.robot import robot_of
 from bayesfric.logs.signals import Signals, joints_of, signals_of, wanted_columns
-from bayesfric.logs.table import Log, texts_of
+from bayesfric.logs.table import Log
 from bayesfric.recording.package import ForceIs
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 
 MOST_RUNS = 10_000
+PLACE = {"name", "file", "value", "from_s", "to_s"}
+"""Keys of a run that say where it is; the others describe it."""
 
 
 @dataclass(frozen=True)
@@ -55,15 +56,12 @@ class _Piece:
     value: str | None = None
 
 
-@dataclass(frozen=True)
-class _Cut:
-    """Runs, samples and notes of a piece."""
+class _Cut(NamedTuple):
+    """Samples of the runs of a piece, notes, and each joint's delay with its sentence."""
 
-    runs: list[dict[str, Any]]
     samples: list[pd.DataFrame]
     notes: list[str]
-    delays: list[str]
-    delay: Delay | None
+    delays: list[tuple[Delay | None, str]]
 
 
 def import_log(
@@ -92,31 +90,32 @@ def import_log(
         The log or the mapping cannot be used; with places and reasons.
     """
     paths = [logs] if isinstance(logs, Path) else list(logs)
-    what = mapping if isinstance(mapping, Mapping) else read_mapping(mapping)
     folder = (paths[0] if isinstance(mapping, Mapping) else mapping).parent
-    pieces, what = _by_joint(_pieces(paths, what), what)
-    joints = joints_of(pieces[0].log, what, joint)
-    windows = _runs_of(pieces, what)
+    if not isinstance(mapping, Mapping):
+        mapping = read_mapping(mapping)
+    pieces = _pieces(paths, mapping)
+    apart = [replace(piece, log=by_joint(piece.log, mapping)) for piece in pieces]
+    mapping = mapping_by_joint(mapping, pieces[0].log)
+    joints = joints_of(apart[0].log, mapping, joint)
+    runs_of_pieces = _runs_of(apart, mapping)
     cuts = [
-        _cut_piece(piece, what, joints, runs)
-        for piece, runs in zip(pieces, windows, strict=True)
+        _cut_piece(piece, mapping, joints, runs)
+        for piece, runs in zip(apart, runs_of_pieces, strict=True)
         if runs
     ]
-    rows = [row for piece in cuts for row in piece.runs]
-    runs = pd.DataFrame(
-        [{"run": row["run"], "order": order} | row for order, row in enumerate(rows, start=1)]
-    )
+    runs = _table_of([run for runs in runs_of_pieces for run in runs])
     samples = pd.concat([frame for piece in cuts for frame in piece.samples], ignore_index=True)
     done = list(dict.fromkeys(note for piece in cuts for note in piece.notes))
-    notes = [*done, *dict.fromkeys(said for piece in cuts for said in piece.delays)]
-    delay = next((piece.delay for piece in cuts if piece.delay is not None), None)
+    delays = [of_joint for piece in cuts for of_joint in piece.delays]
+    notes = [*done, *dict.fromkeys(sentence for _, sentence in delays)]
+    delay = next((delay for delay, _ in delays if delay is not None), None)
     files = ", ".join(path.name for path in paths)
     whom = "Joints" if len(joints) > 1 else "Joint"
     names = ", ".join(label for label in joints if label is not None)
     recording = Recording(
         name=name,
         title=f"{whom} {names} of {files}" if names else f"Joint of {files}",
-        rig=_constants(what, joints, folder),
+        rig=_constants(mapping, joints, folder),
         axis=Axis(runs, samples),
         metadata={
             "sources": [{"title": f"Imported from {files}. {' '.join(notes)}"}],
@@ -126,24 +125,32 @@ def import_log(
     return Imported(recording, delay, tuple(notes))
 
 
-def _constants(what: Mapping, joints: tuple[str | None, ...], folder: Path) -> RigConstants:
-    if what.moving_mass is not None and len(joints) > 1:
-        expected = f"the mass of one joint, and {len(joints)} are imported: leave it out for all"
-        value = f"{what.moving_mass:g}"
-        raise InputError([Fault("the mapping", expected, column="moving_mass", value=value)])
-    return RigConstants(
-        rotary=what.rotary,
-        force_is=_force_is(what, joints),
-        encoder_resolution=what.encoder_resolution,
-        moving_mass_kg=what.moving_mass,
-        other_joints=what.other_joints,
-        robot=None if what.robot is None else robot_of(what.robot, folder, joints),
+def _table_of(runs: list[Run]) -> pd.DataFrame:
+    """Return the runs in their order, with what the mapping says of each."""
+    return pd.DataFrame(
+        {"run": run.name, "order": order, **run.model_dump(exclude=PLACE, exclude_none=True)}
+        for order, run in enumerate(runs, start=1)
     )
 
 
-def _force_is(what: Mapping, joints: tuple[str | None, ...]) -> ForceIs | None:
+def _constants(mapping: Mapping, joints: tuple[str | None, ...], folder: Path) -> RigConstants:
+    if mapping.moving_mass is not None and len(joints) > 1:
+        expected = f"the mass of one joint, and {len(joints)} are imported: leave it out for all"
+        value = f"{mapping.moving_mass:g}"
+        raise InputError([Fault("the mapping", expected, column="moving_mass", value=value)])
+    return RigConstants(
+        rotary=mapping.rotary,
+        force_is=_force_is(mapping, joints),
+        encoder_resolution=mapping.encoder_resolution,
+        moving_mass_kg=mapping.moving_mass,
+        other_joints=mapping.other_joints,
+        robot=None if mapping.robot is None else robot_of(mapping.robot, folder, joints),
+    )
+
+
+def _force_is(mapping: Mapping, joints: tuple[str | None, ...]) -> ForceIs | None:
     """Return the kind of force, which must be the same for all joints of a recording."""
-    forces = {joint: what.of_joint(joint).get("force") for joint in joints}
+    forces = {joint: mapping.of_joint(joint).get("force") for joint in joints}
     of_joint = {joint: force.force_is for joint, force in forces.items() if force is not None}
     kinds = [kind for kind in dict.fromkeys(of_joint.values()) if kind is not None]
     if len(kinds) > 1:
@@ -153,21 +160,20 @@ def _force_is(what: Mapping, joints: tuple[str | None, ...]) -> ForceIs | None:
     return kinds[0] if kinds else None
 
 
-def _pieces(paths: list[Path], what: Mapping) -> list[_Piece]:
+def _pieces(paths: list[Path], mapping: Mapping) -> list[_Piece]:
     """Return the logs, each divided at the runs that a column names."""
     stems = [path.name if path.is_dir() else path.stem for path in paths]
     pieces = []
     for path, stem in zip(paths, stems, strict=True):
-        log = read_log(path, what.csv, wanted_columns(what))
+        log = read_log(path, mapping.csv, wanted_columns(mapping))
         twice = stems.count(stem) > 1
         called = _id(f"{path.resolve().parent.name}-{stem}" if twice else stem)
-        if what.run is None:
+        if mapping.run is None:
             pieces.append(_Piece(log, "whole" if len(paths) == 1 else called))
             continue
         prefix = "" if len(paths) == 1 else f"{called}-"
-        pieces += [
-            _Piece(part, f"{prefix}{_id(value)}", value) for value, part in _parts(log, what.run)
-        ]
+        parts = log.parted(mapping.run, MOST_RUNS, f"between 1 and {MOST_RUNS:,} runs")
+        pieces += [_Piece(part, f"{prefix}{_id(value)}", value) for value, part in parts.items()]
     names = [piece.name for piece in pieces]
     double = next((name for name in names if names.count(name) > 1), None)
     if double is not None:
@@ -175,39 +181,17 @@ def _pieces(paths: list[Path], what: Mapping) -> list[_Piece]:
     return pieces
 
 
-def _by_joint(pieces: list[_Piece], what: Mapping) -> tuple[list[_Piece], Mapping]:
-    """Return pieces in which each joint has columns of its own, and their mapping."""
-    apart = [replace(piece, log=by_joint(piece.log, what)) for piece in pieces]
-    return apart, mapping_by_joint(what, pieces[0].log)
-
-
 def _id(text: str) -> str:
     """Return a name for a run that is also a valid file name: letters, digits and dots."""
     return re.sub(r"[^\w.]+", "-", text).strip("-.") or "run"
 
 
-def _parts(log: Log, column: str | int) -> list[tuple[str, Log]]:
-    """Return the rows of each value of the column of runs, in the order of the log."""
-    name = log.name_of(column)
-    if name is None:
-        raise InputError([log.no_column(column)])
-    cells = texts_of(log.columns[name])
-    rows: dict[str, list[int]] = {}
-    for row, cell in enumerate(cells):
-        if cell is not None:
-            rows.setdefault(cell, []).append(row)
-    if not rows or len(rows) > MOST_RUNS:
-        expected = f"between 1 and {MOST_RUNS:,} runs"
-        raise InputError([Fault(log.name, expected, column=name, value=f"{len(rows):,}")])
-    return [(value, log.taken(np.array(places), len(cells))) for value, places in rows.items()]
-
-
-def _runs_of(pieces: list[_Piece], what: Mapping) -> list[list[Run]]:
+def _runs_of(pieces: list[_Piece], mapping: Mapping) -> list[list[Run]]:
     """Return the runs of each piece: those of the mapping that belong to it, or the whole piece."""
-    if not what.runs:
+    if not mapping.runs:
         return [[Run(name=piece.name)] for piece in pieces]
     faults, of_piece = [], [list[Run]() for _ in pieces]
-    for run in what.runs:
+    for run in mapping.runs:
         value = None if run.value is None else str(run.value)
         places = [
             place
@@ -229,10 +213,10 @@ def _runs_of(pieces: list[_Piece], what: Mapping) -> list[list[Run]]:
 
 
 def _cut_piece(
-    piece: _Piece, what: Mapping, joints: tuple[str | None, ...], runs: list[Run]
+    piece: _Piece, mapping: Mapping, joints: tuple[str | None, ...], runs: list[Run]
 ) -> _Cut:
     name = piece.log.name
-    of_joints = signals_of(piece.log, what, joints)
+    of_joints = signals_of(piece.log, mapping, joints)
     spans = [span_of(name, signals.series) for signals in of_joints.values()]
     origin = min(signals.series["position"].time_s[0] for signals in of_joints.values())
     begin, end = min(first for first, _ in spans), max(last for _, last in spans)
@@ -245,7 +229,6 @@ def _cut_piece(
         for run in runs
     ]
     samples, delays, notes = [], [], {}
-    first_delay = None
     for joint, signals in of_joints.items():
         check_velocity(name, joint, signals.series)
         frames, done = cut(name, signals.series, windows, origin)
@@ -254,17 +237,12 @@ def _cut_piece(
                 frame.insert(2, "joint", joint)
         samples += frames
         notes[joint] = [*signals.notes, *done]
-        delay, said = _delay(signals)
-        first_delay = first_delay or delay
-        delays += [said if len(joints) == 1 or delay is None else f"{joint}: {said}"]
-    order = {window.run.name: place for place, window in enumerate(windows)}
+        delay, sentence = _delay(signals)
+        whose = "" if len(joints) == 1 or delay is None else f"{joint}: "
+        delays.append((delay, f"{whose}{sentence}"))
+    order = {run.name: place for place, run in enumerate(runs)}
     samples.sort(key=lambda frame: order[str(frame["run"].iloc[0])])
-    return _Cut([_row(run) for run in runs], samples, _together(notes), delays, first_delay)
-
-
-def _row(run: Run) -> dict[str, Any]:
-    row = {"run": run.name, **(run.model_extra or {})}
-    return row | ({} if run.role is None else {"role": run.role})
+    return _Cut(samples, _together(notes), delays)
 
 
 def _together(notes: dict[str | None, list[str]]) -> list[str]:

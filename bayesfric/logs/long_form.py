@@ -1,13 +1,11 @@
 """Logs in long form: a row for each joint at each time, with a column that names the joint."""
 
-from typing import Any
-
 import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
-from bayesfric.logs.mapping import JOINT, Mapping, Signal
-from bayesfric.logs.table import Cells, Log, numbers_of, texts_of
+from bayesfric.logs.mapping import JOINT, Mapping, Signal, written
+from bayesfric.logs.table import Cells, Log, numbers_of
 
 MOST_JOINTS = 200
 ALIKE = 0.9  # share of the times that have the same number of rows
@@ -32,25 +30,15 @@ def by_joint(log: Log, mapping: Mapping) -> Log:
     """
     if mapping.joint_column is None:
         return log
-    named = log.name_of(mapping.joint_column)
-    if named is None:
-        raise InputError([log.no_column(mapping.joint_column)])
+    named = log.named(mapping.joint_column)
     _check_numbers(log, mapping)
-    rows: dict[str, list[int]] = {}
-    cells = texts_of(log.columns[named])
-    for row, cell in enumerate(cells):
-        if cell is not None and cell.strip():
-            rows.setdefault(cell.strip(), []).append(row)
-    if not 1 <= len(rows) <= MOST_JOINTS:
-        expected = f"the names of 1 to {MOST_JOINTS} joints"
-        raise InputError([Fault(log.name, expected, column=named, value=f"{len(rows):,}")])
+    parts = log.parted(named, MOST_JOINTS, f"the names of 1 to {MOST_JOINTS} joints")
     columns: dict[str, Cells] = {}
     units: dict[str, str] = {}
-    for joint, places in rows.items():
-        own = log.taken(np.array(places), len(cells))
-        columns |= {_of(name, joint): own.columns[name] for name in own.columns}
+    for joint, own in parts.items():
+        columns |= {_of(name, joint): cells for name, cells in own.columns.items()}
         units |= {_of(name, joint): unit for name, unit in (log.units or {}).items()}
-    notes = (*log.notes, f"Rows are of the joints that {named} names: {', '.join(rows)}.")
+    notes = (*log.notes, f"Rows are of the joints that {named} names: {', '.join(parts)}.")
     return Log(log.name, columns, log.first_row, notes, units or None)
 
 
@@ -79,20 +67,14 @@ def mapping_by_joint(mapping: Mapping, log: Log) -> Mapping:
         return mapping
     signals: dict[str, Signal] = {}
     for key, signal in mapping.signals.items():
-        changed: dict[str, Any] = {"column": _place(log, signal.column)}
-        if signal.time is not None:
-            changed["time"] = _place(log, signal.time)
-        elif mapping.time.column is not None:
-            changed["time"] = _place(log, mapping.time.column)
-        signals[key] = Signal.model_validate(signal.model_dump(exclude_unset=True) | changed)
+        columns = {"column": signal.column, "time": mapping.clock_of(signal)}
+        changed = {
+            name: _of(log.named(column), JOINT)
+            for name, column in columns.items()
+            if column is not None
+        }
+        signals[key] = Signal.model_validate(written(signal) | changed)
     return mapping.model_copy(update=signals)
-
-
-def _place(log: Log, column: str | int) -> str:
-    name = log.name_of(column)
-    if name is None:
-        raise InputError([log.no_column(column)])
-    return _of(name, JOINT)
 
 
 def _of(column: str, joint: str) -> str:

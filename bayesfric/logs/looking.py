@@ -10,7 +10,7 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault
-from bayesfric.logs.clock import CLOCK, ISO
+from bayesfric.logs.clock import is_stamp
 from bayesfric.logs.mapping import CsvForm
 from bayesfric.logs.readers.csv import lines_of, split
 from bayesfric.logs.spelling import (
@@ -118,12 +118,11 @@ def csv_form(text: str) -> tuple[CsvForm, list[str]]:
 
 def _evenness(lines: Sequence[str], separator: str) -> tuple[int, int]:
     """Return how many lines have the commonest number of cells, of those above one."""
-    widths = [len(cells) for cells in split([line for line in lines if line.strip()], separator)]
-    several = [width for width in widths if width > 1]
-    if not several:
-        return (0, 0)
-    width = max(set(several), key=several.count)
-    return several.count(width), width if separator != "space" else 1
+    rows = split([line for line in lines if line.strip()], separator)
+    several = [cells for cells in rows if len(cells) > 1]
+    width = _usual_width(several)
+    count = sum(len(cells) == width for cells in several)
+    return count, width if separator != "space" else 1
 
 
 def _usual_width(cells: list[list[str]]) -> int:
@@ -133,11 +132,9 @@ def _usual_width(cells: list[list[str]]) -> int:
 
 def _is_data(cells: list[str]) -> bool:
     """Return whether a line has only numbers, stamps and blanks, or nearly so."""
-    numbers = sum(bool(NUMBER.fullmatch(cell.strip())) for cell in cells)
-    stamps = sum(
-        bool(CLOCK.fullmatch(cell.strip()) or ISO.fullmatch(cell.strip())) for cell in cells
-    )
-    return numbers + stamps > len(cells) / 2
+    texts = [cell.strip() for cell in cells]
+    data = sum(bool(NUMBER.fullmatch(text)) or is_stamp(text) for text in texts)
+    return data > len(cells) / 2
 
 
 def _has_commas(lines: list[list[str]]) -> bool:
@@ -157,17 +154,18 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
     texts = [text for text in texts_of(few) if text]
     if not texts:
         return Belief(column, None, None, "it is blank", "nothing", rows)
-    if CLOCK.fullmatch(texts[0]) or ISO.fullmatch(texts[0]):
+    if is_stamp(texts[0]):
         shown = f"{texts[0]} to {texts[-1]}"
         return Belief(
             column, "time", "s", "its cells are stamps, which say their unit", shown, rows
         )
-    numbers = _numbers(log, column, few)
+    numbers = first_numbers(log, column)
     if (why := _names_joints(column, few)) is not None:
         shown = shorten(", ".join(dict.fromkeys(texts)), LONGEST, placeholder=" …")
         return Belief(column, "joint", None, why, shown, rows)
     if numbers is None:
         return Belief(column, None, None, "its cells are no numbers", texts[0][:40], rows)
+    numbers = numbers[np.isfinite(numbers)]
     shown = f"{numbers.min():.6g} to {numbers.max():.6g}"
     if rows > len(few):
         shown += f" in the first {len(few):,}"
@@ -203,12 +201,12 @@ def _names_joints(column: str, cells: Cells) -> str | None:
     return None
 
 
-def _numbers(log: Log, column: str, cells: Cells) -> Array | None:
+def first_numbers(log: Log, column: str) -> Array | None:
+    """Return the first numbers of a column, NaN for blank cells; None if cells are no numbers."""
     faults: list[Fault] = []
-    part = Log(log.name, {column: cells}, log.first_row)
+    part = Log(log.name, {column: log.columns[column][:ROWS]}, log.first_row)
     numbers = numbers_of(part, column, faults)
-    numbers = numbers[np.isfinite(numbers)]
-    return None if faults or not numbers.size else numbers
+    return None if faults or not np.isfinite(numbers).any() else numbers
 
 
 def name_of_joint(column: str) -> str:

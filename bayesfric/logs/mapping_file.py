@@ -1,19 +1,23 @@
 """Reads and checks the file of a mapping; every fault has its key."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from pydantic import ValidationError
 
 from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.files import key_faults, read_toml
 from bayesfric.logs.mapping import FORCE_IS, JOINT, SAY, SIGNALS, Mapping, Signal, written
-from bayesfric.logs.units import FORCES, LENGTHS, ROTARY, STRAIGHT, TORQUES, needs_factor
+from bayesfric.logs.readers.csv import SEPARATORS
+from bayesfric.logs.units import ELECTRIC, FORCES, LENGTHS, ROTARY, STRAIGHT, TORQUES
 
 PAGE = "docs/howto/log.md"
 FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of a formula in a cell
+
+Broken: TypeAlias = tuple[str, str, str | None]
+"""A rule that a mapping breaks: the key, what is expected there, and the value, if there is one."""
 
 
 def read_mapping(path: Path) -> Mapping:
@@ -30,25 +34,24 @@ def read_mapping(path: Path) -> Mapping:
 def checked_mapping(keys: dict[str, Any], name: str) -> Mapping:
     """Return a mapping from its keys; `name` is the name of the file in errors."""
     keys = _with_columns(keys)
+    placeholders = [*_placeholders(keys)]
     try:
         mapping = Mapping.model_validate(keys)
     except ValidationError as error:
         faults = key_faults(name, error, PAGE, Mapping)
         wrong = {fault.column for fault in faults}
-        unsaid = [fault for fault in _unsaid(keys, name) if fault.column not in wrong]
-        raise InputError([*faults, *unsaid]) from error
-    if unsaid := list(_unsaid(keys, name)):
-        raise InputError(unsaid)
-    faults = _of_csv(mapping, name) + _of_time(mapping, name) + _of_joints(mapping, name)
-    if not faults:
-        for joint in (None, *mapping.joints):
-            place = "" if joint is None else f"joints.{joint}."
-            for key, signal in mapping.of_joint(joint).items():
-                faults += _of_signal(mapping, name, place + key, key, signal)
-    faults += _of_runs(mapping, name)
-    if faults:
-        raise InputError(list(dict.fromkeys(faults)))
+        placeholders = [rule for rule in placeholders if rule[0] not in wrong]
+        raise InputError([*faults, *_faults(name, placeholders)]) from error
+    if faults := _faults(name, placeholders or _broken_rules(mapping)):
+        raise InputError(faults)
     return mapping
+
+
+def _faults(name: str, broken: Iterable[Broken]) -> list[Fault]:
+    return [
+        Fault(name, expected, column=key, value=value)
+        for key, expected, value in dict.fromkeys(broken)
+    ]
 
 
 def _with_columns(keys: dict[str, Any]) -> dict[str, Any]:
@@ -70,158 +73,138 @@ def _with_columns(keys: dict[str, Any]) -> dict[str, Any]:
     return said
 
 
-def _unsaid(keys: dict[str, Any], name: str, before: str = "") -> Iterator[Fault]:
-    """Yield a fault for each placeholder of a proposal that was not edited."""
+def _placeholders(keys: dict[str, Any], before: str = "") -> Iterator[Broken]:
+    """Yield each placeholder of a proposal that was not edited."""
     for key, value in keys.items():
         if isinstance(value, dict):
-            yield from _unsaid(value, name, f"{before}{key}.")
+            yield from _placeholders(value, f"{before}{key}.")
         elif value == SAY:
-            expected = "the right value, which the log does not state"
-            yield Fault(name, expected, column=f"{before}{key}", value=SAY)
+            yield f"{before}{key}", "the right value, which the log does not state", SAY
 
 
-def _of_csv(mapping: Mapping, name: str) -> list[Fault]:
+def _broken_rules(mapping: Mapping) -> Iterator[Broken]:
+    """Yield the rules that a mapping breaks; those of signals only if all others are obeyed."""
+    others = [*_of_csv(mapping), *_of_time(mapping), *_of_joint_column(mapping)]
+    others += _of_joints(mapping)
+    yield from others
+    if not others:
+        for joint in (None, *mapping.joints):
+            place = "" if joint is None else f"joints.{joint}."
+            for key, signal in mapping.of_joint(joint).items():
+                yield from _of_signal(mapping, place + key, key, signal)
+    yield from _of_runs(mapping)
+
+
+def _of_csv(mapping: Mapping) -> Iterator[Broken]:
     form = mapping.csv
     if form is None:
-        return []
-    named = form.separator in ("tab", "comma", "semicolon", "space")
-    if not named and (len(form.separator) != 1 or form.separator in '"\r\n0123456789.'):
-        expected = 'one character, "tab", or "space" for any blanks'
-        return [Fault(name, expected, column="csv.separator", value=form.separator)]
-    if form.decimal == "," and form.separator in (",", "comma"):
-        expected = "a separator other than a comma, since the decimal mark is one"
-        return [Fault(name, expected, column="csv.separator", value=form.separator)]
-    return []
+        return
+    key, separator = "csv.separator", form.separator
+    if separator not in SEPARATORS and (len(separator) != 1 or separator in '"\r\n0123456789.'):
+        yield key, 'one character, "tab", or "space" for any blanks', separator
+    elif form.decimal == "," and separator in (",", "comma"):
+        yield key, "a separator other than a comma, since the decimal mark is one", separator
 
 
-def _of_time(mapping: Mapping, name: str) -> list[Fault]:
-    time = mapping.time
-    faults = []
+def _of_time(mapping: Mapping) -> Iterator[Broken]:
+    time, force = mapping.time, mapping.force
     if time.column is not None and time.rate_hz is not None:
-        faults.append(Fault(name, "a column or a rate, not both", column="time.rate_hz"))
+        yield "time.rate_hz", "a column or a rate, not both", None
     if time.column is None and time.rate_hz is None:
-        expected = "the column of the clock, or rate_hz where the log has none"
-        faults.append(Fault(name, expected, column="time.column"))
-    if mapping.force is None and mapping.command is None:
+        yield "time.column", "the column of the clock, or rate_hz where the log has none", None
+    if force is None and mapping.command is None:
         expected = "the column of a force, or [command] where only positions were commanded"
-        faults.append(Fault(name, expected, column="force"))
-    if mapping.force is not None and mapping.force.force_is is None:
+        yield "force", expected, None
+    if force is not None and force.force_is is None:
         expected = (
             f"one of {', '.join(FORCE_IS)}: what the force is decides what it can tell "
             "(motor: from its current; link: behind the gear)"
         )
-        faults.append(Fault(name, expected, column="force.force_is"))
-    if mapping.measured_force is not None and mapping.force is None:
+        yield "force.force_is", expected, None
+    if mapping.measured_force is not None and force is None:
         expected = "[force], where [measured_force] stands: the command beside what was measured"
-        faults.append(Fault(name, expected, column="force"))
-    return faults
+        yield "force", expected, None
 
 
-def _of_joints(mapping: Mapping, name: str) -> list[Fault]:
-    faults = _of_joint_column(mapping, name)
+def _of_joints(mapping: Mapping) -> Iterator[Broken]:
     for joint, own in mapping.joints.items():
         for key, changes in own.items():
             place = f"joints.{joint}.{key}"
             if key not in mapping.signals:
-                names = tuple(mapping.signals)
-                faults.append(Fault(name, one_of(names, key), column=place))
+                yield place, one_of(tuple(mapping.signals), key), None
                 continue
             try:
                 Signal.model_validate({**written(mapping.signals[key]), **changes})
             except ValidationError as error:
-                inner = key_faults(name, error, PAGE, Signal)
-                faults += [
-                    Fault(name, fault.expected, None, f"{place}.{fault.column}", fault.value)
-                    for fault in inner
-                ]
-    return faults
+                for fault in key_faults(place, error, PAGE, Signal):
+                    yield f"{place}.{fault.column}", fault.expected, fault.value
 
 
-def _of_joint_column(mapping: Mapping, name: str) -> list[Fault]:
-    """Return faults of columns of single joints, if a column names the joint of each row."""
+def _of_joint_column(mapping: Mapping) -> Iterator[Broken]:
+    """Yield the columns of single joints, if a column names the joint of each row."""
     if mapping.joint_column is None:
-        return []
+        return
     expected = "a column that all joints share, where joint_column stands"
-    own = [
-        f"joints.{joint}.{key}.column"
-        for joint, signals in mapping.joints.items()
-        for key, changes in signals.items()
-        if "column" in changes
-    ]
-    own += [
-        f"{key}.column" for key, signal in mapping.signals.items() if JOINT in str(signal.column)
-    ]
-    return [Fault(name, expected, column=place) for place in own]
+    for joint, signals in mapping.joints.items():
+        for key, changes in signals.items():
+            if "column" in changes:
+                yield f"joints.{joint}.{key}.column", expected, None
+    for key, signal in mapping.signals.items():
+        if JOINT in str(signal.column):
+            yield f"{key}.column", expected, None
 
 
-def _of_signal(mapping: Mapping, name: str, place: str, key: str, signal: Signal) -> list[Fault]:
-    units = SIGNALS[key]
-    if signal.unit not in units:
-        expected = one_of(tuple(units), signal.unit)
-        return [Fault(name, expected, column=f"{place}.unit", value=signal.unit)]
-    faults = []
-    if needs_factor(signal.unit) and units is FORCES and signal.factor is None:
+def _of_signal(mapping: Mapping, place: str, key: str, signal: Signal) -> Iterator[Broken]:
+    units, unit, factor = SIGNALS[key], signal.unit, signal.factor
+    if unit not in units:
+        yield f"{place}.unit", one_of(tuple(units), unit), unit
+        return
+    if unit in ELECTRIC and units is FORCES and factor is None:
         what = "N·m" if mapping.rotary else "N"
         of_all = {"share": "all of the PWM", "%": "all of the PWM", "raw": "1"}
-        of = of_all.get(signal.unit, f"1 {signal.unit.removeprefix('m')}")
+        of = of_all.get(unit, f"1 {unit.removeprefix('m')}")
         expected = f"{what} for {of}: the torque constant; a gear is gear_ratio"
-        faults.append(Fault(name, expected, column=f"{place}.factor"))
-    if signal.unit == "tick" and signal.factor is None and signal.counts_per_turn is None:
+        yield f"{place}.factor", expected, None
+    if unit == "tick" and factor is None and signal.counts_per_turn is None:
         expected = "counts of the encoder a turn, where unit is tick"
-        faults.append(Fault(name, expected, column=f"{place}.counts_per_turn"))
-    if signal.unit == "tick" and None not in (signal.factor, signal.counts_per_turn):
+        yield f"{place}.counts_per_turn", expected, None
+    if unit == "tick" and factor is not None and signal.counts_per_turn is not None:
         expected = "counts_per_turn or a factor, not both: each says what a tick is"
-        faults.append(Fault(name, expected, column=f"{place}.factor", value=f"{signal.factor:g}"))
-    if signal.counts_per_turn is not None and signal.unit != "tick":
-        expected = 'unit = "tick", where counts_per_turn stands'
-        faults.append(Fault(name, expected, column=f"{place}.unit", value=signal.unit))
-    is_of_force = units is FORCES and mapping.position.unit in LENGTHS
+        yield f"{place}.factor", expected, f"{factor:g}"
+    if signal.counts_per_turn is not None and unit != "tick":
+        yield f"{place}.unit", 'unit = "tick", where counts_per_turn stands', unit
+    of_position = mapping.position.unit
+    is_of_force = units is FORCES and of_position in LENGTHS
     wrong = (STRAIGHT if mapping.rotary else TORQUES) if is_of_force else {}
-    if signal.unit in wrong and signal.factor is None:
+    if unit in wrong and factor is None:
         expected = (
-            f"a torque, since position is in {mapping.position.unit}, or the lever in m as factor"
+            f"a torque, since position is in {of_position}, or the lever in m as factor"
             if mapping.rotary
-            else f"a force, since position is in {mapping.position.unit}, or 1/m as factor"
+            else f"a force, since position is in {of_position}, or 1/m as factor"
         )
-        faults.append(Fault(name, expected, column=f"{place}.unit", value=signal.unit))
-    if key == "position" and (signal.unit in ROTARY) != mapping.rotary:
+        yield f"{place}.unit", expected, unit
+    if key == "position" and (unit in ROTARY) != mapping.rotary:
         expected = (
-            f"a unit as that of the other joints, {mapping.position.unit}: joints that turn and "
+            f"a unit as that of the other joints, {of_position}: joints that turn and "
             "joints that slide are recordings of their own"
         )
-        faults.append(Fault(name, expected, column=f"{place}.unit", value=signal.unit))
-    if key == "command" and (signal.unit in ROTARY) != mapping.rotary:
-        expected = f"a unit as that of the position, {mapping.position.unit}"
-        faults.append(Fault(name, expected, column=f"{place}.unit", value=signal.unit))
-    return faults
+        yield f"{place}.unit", expected, unit
+    if key == "command" and (unit in ROTARY) != mapping.rotary:
+        yield f"{place}.unit", f"a unit as that of the position, {of_position}", unit
 
 
-def _is_finite(value: object) -> bool:
-    return isinstance(value, float) and math.isfinite(value)
-
-
-def _of_runs(mapping: Mapping, name: str) -> list[Fault]:
-    faults = [
-        Fault(name, "to_s above from_s", column=f"runs.{run.name}", value=f"{run.to_s:g}")
-        for run in mapping.runs
-        if run.to_s is not None and run.to_s <= (run.from_s or 0.0)
-    ]
-    faults += [
-        Fault(name, "a name that no spreadsheet takes for a formula", column="runs", value=text)
-        for run in mapping.runs
-        for text in (run.name, *(run.model_extra or ()))
-        if text.startswith(FORMULA)
-    ]
-    faults += [
-        Fault(name, "a number or a text", column=f"runs.{run.name}.{key}", value=str(value))
-        for run in mapping.runs
-        for key, value in (run.model_extra or {}).items()
-        if not isinstance(value, str | int) and not _is_finite(value)
-    ]
+def _of_runs(mapping: Mapping) -> Iterator[Broken]:
     names = [run.name for run in mapping.runs]
-    faults += [
-        Fault(name, "a different name for each run", column=f"runs.{run}")
-        for run in dict.fromkeys(names)
-        if names.count(run) > 1
-    ]
-    return faults
+    for run in mapping.runs:
+        place, further = f"runs.{run.name}", run.model_extra or {}
+        if run.to_s is not None and run.to_s <= (run.from_s or 0.0):
+            yield place, "to_s above from_s", f"{run.to_s:g}"
+        for text in (run.name, *further):
+            if text.startswith(FORMULA):
+                yield "runs", "a name that no spreadsheet takes for a formula", text
+        for key, value in further.items():
+            is_finite = isinstance(value, float) and math.isfinite(value)
+            if not isinstance(value, str | int) and not is_finite:
+                yield f"{place}.{key}", "a number or a text", str(value)
+        if names.count(run.name) > 1:
+            yield place, "a different name for each run", None

@@ -26,24 +26,8 @@ class Series:
     value: Array
 
 
-@dataclass(frozen=True)
-class Ordered:
-    """A quantity in order of time, with notes on the corrections.
-
-    Parameters
-    ----------
-    series : Series
-        The quantity, with increasing times.
-    notes : tuple of str
-        Clauses with counts.
-    """
-
-    series: Series
-    notes: tuple[str, ...]
-
-
 def unwrapped(
-    time_s: Array, first: float, periods_s: tuple[float, ...], first_row: int = 2
+    time_s: Array, first: float, periods_s: tuple[float, ...], first_row: int
 ) -> tuple[Array, tuple[str, ...]]:
     """Return the unwrapped times of a counter, and notes on the corrections.
 
@@ -86,8 +70,10 @@ def unwrapped(
     return time_s, ()
 
 
-def in_order(time_s: Array, value: Array, file: str, column: str, first_row: int = 2) -> Ordered:
-    """Return the numbers in order of time; of equal times, the first.
+def in_order(
+    time_s: Array, value: Array, file: str, column: str, first_row: int
+) -> tuple[Series, tuple[str, ...]]:
+    """Return the numbers in order of time (of equal times, the first), and clauses with counts.
 
     Parameters
     ----------
@@ -107,24 +93,24 @@ def in_order(time_s: Array, value: Array, file: str, column: str, first_row: int
     notes: list[str] = []
     blank = time_s.size - there.size
     if blank:
-        notes.append(f"{_rows(blank)} without a number left out")
+        notes.append(f"{counted(blank, 'row')} without a number left out")
     times = time_s[there]
     ahead = np.maximum.accumulate(times) if times.size else times
     late = times < ahead
     if late.any():
         _check_behind(times, ahead - times, late, there + first_row, file, column)
         row = int(there[np.argmax(late)]) + first_row
-        notes.append(f"{_rows(int(late.sum()))} out of order (first: row {row}) sorted")
+        notes.append(f"{counted(int(late.sum()), 'row')} out of order (first: row {row}) sorted")
     unique, kept = np.unique(times, return_index=True)
     doubled = np.setdiff1d(np.arange(times.size), kept)
     if doubled.size:
         row = int(there[doubled[0]]) + first_row
         notes.append(
-            f"{_rows(int(doubled.size))} with the time of an earlier row (first: row {row}) "
+            f"{counted(doubled.size, 'row')} with the time of an earlier row (first: row {row}) "
             "left out"
         )
     series = Series(unique, value[there][kept])
-    return Ordered(series, (*notes, *_gap_notes(series)))
+    return series, (*notes, *_gap_notes(series))
 
 
 def gaps_of(series: Series) -> tuple[Array, Array]:
@@ -140,9 +126,8 @@ def _gap_notes(series: Series) -> tuple[str, ...]:
         return ()
     longest = int(np.argmax(end - begin))
     since = begin[longest] - series.time_s[0]
-    places = "1 place" if begin.size == 1 else f"{begin.size:,} places"
     return (
-        f"no sample for more than {GAP:g} intervals at {places}, the longest "
+        f"no sample for more than {GAP:g} intervals at {counted(begin.size, 'place')}, the longest "
         f"{end[longest] - begin[longest]:.4g} s, {since:.4g} s after the first",
     )
 
@@ -157,9 +142,10 @@ def _check_behind(
     wrong = np.flatnonzero((ends - begins > BEHIND) | (deepest > BEHIND * interval))
     if wrong.size:
         first = int(begins[wrong[0]])
+        rows_behind = counted(int(ends[wrong[0]] - first), "row")
         expected = (
             f"a clock that runs on; it goes back by {behind[first]:.6g} s and "
-            f"{_rows(int(ends[wrong[0]] - first))} from there are behind what came before: "
+            f"{rows_behind} from there are behind what came before: "
             "cut the log there, or take a clock that does not start anew"
         )
         raise InputError([Fault(file, expected, int(rows[first]), column)])
@@ -171,5 +157,6 @@ def _interval(steps: Array) -> float:
     return float(np.median(forward)) if forward.size else np.inf
 
 
-def _rows(count: int) -> str:
-    return "1 row" if count == 1 else f"{count:,} rows"
+def counted(number: int, noun: str) -> str:
+    """Return a number of things in words."""
+    return f"1 {noun}" if number == 1 else f"{number:,} {noun}s"

@@ -10,7 +10,7 @@ from bayesfric.logs.readers import kind_of, read_log
 from bayesfric.logs.readers.csv import decoded
 from bayesfric.logs.relating import related
 from bayesfric.logs.table import texts_of
-from bayesfric.logs.units import needs_factor
+from bayesfric.logs.units import ELECTRIC
 
 NEEDED = {"time": "the clock", "position": "the position", "force": "the force"}
 EFFORT = re.compile(r"/.*\.effort\[")  # an effort of a ROS 2 message, in N·m or N
@@ -96,7 +96,8 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     chosen, joints = _chosen(beliefs, joint)
     if "joint" in chosen:
         belief = chosen["joint"][0]
-        joints = tuple(_names_in(texts_of(log.columns[belief.column])))
+        texts = texts_of(log.columns[belief.column])
+        joints = tuple(dict.fromkeys(text.strip() for text in texts if text and text.strip()))
         column = _name(belief.column, form is None or form.header)
         lines += ["", f"joint_column = {column}  # {_plain(belief.why)}"]
     if any(belief.column == LEROBOT_RUN for belief in beliefs):
@@ -115,10 +116,6 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     count = body.count(f'"{SAY}"')
     asked = [f"{count} place{'s' * (count > 1)} with {SAY}"] if count else []
     return Proposal(toml, (*(f"which column is {what}" for what in missing), *asked), joints)
-
-
-def _names_in(cells: list[str | None]) -> dict[str, None]:
-    return dict.fromkeys(cell.strip() for cell in cells if cell is not None and cell.strip())
 
 
 def _plain(text: str) -> str:
@@ -226,7 +223,7 @@ def _section(key: str, belief: Belief, pattern: str, log_has_header: bool) -> li
         unit, why = "rad/s", "a velocity of ROS 2 is in rad/s where a joint turns"
     lines = ["", f"[{key}]", f"# {_plain(why)}", f"column = {_name(pattern, log_has_header)}"]
     lines.append(f'unit = "{unit or SAY}"')
-    if key == "force" and unit is not None and needs_factor(unit):
+    if key == "force" and unit is not None and unit in ELECTRIC:
         lines.append(f'factor = "{SAY}"  # N·m for 1 {unit}: the torque constant, of the motor')
     if unit == "tick":
         lines.append(f'counts_per_turn = "{SAY}"  # of the encoder')

@@ -6,9 +6,8 @@ from itertools import permutations
 import numpy as np
 
 from bayesfric.arrays import Array
-from bayesfric.errors import Fault
-from bayesfric.logs.looking import ROWS, Belief
-from bayesfric.logs.table import Cells, Log, numbers_of
+from bayesfric.logs.looking import Belief, first_numbers
+from bayesfric.logs.table import Log
 from bayesfric.logs.units import LENGTHS, ROTARY, SECONDS, SPEEDS
 
 LIKE = 0.9  # least correlation of a velocity with the rate of change of a position
@@ -52,12 +51,11 @@ def related(log: Log, beliefs: list[Belief]) -> list[Belief]:
 
 
 def _numbers(log: Log, column: str) -> Array | None:
-    cells: Cells = log.columns[column][:ROWS]
-    faults: list[Fault] = []
-    numbers = numbers_of(Log(log.name, {column: cells}), column, faults)
-    if faults or numbers.size < FEWEST or not np.isfinite(numbers).all() or not np.ptp(numbers):
+    """Return the first numbers of a column if they are enough, without blanks, and vary."""
+    numbers = first_numbers(log, column)
+    if numbers is None or numbers.size < FEWEST or not np.isfinite(numbers).all():
         return None
-    return numbers
+    return numbers if np.ptp(numbers) else None
 
 
 def _likeness(path: Array, speed: Array) -> tuple[float, float]:

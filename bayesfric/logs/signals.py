@@ -1,25 +1,31 @@
 """The signals of a log's joints by a mapping, on one clock, in the units of a recording."""
 
 import re
-from collections.abc import Mapping as Of
+from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 
 from bayesfric.arrays import Array
-from bayesfric.errors import Fault, InputError, near
+from bayesfric.errors import Fault, InputError, first_of, near
 from bayesfric.logs.clock import DECIMALS, Stamps, seconds_since, stamps_of
 from bayesfric.logs.long_form import is_of_several_joints
-from bayesfric.logs.mapping import JOINT, Mapping, Signal, scale_of
-from bayesfric.logs.ordering import Ordered, Series, in_order, unwrapped
-from bayesfric.logs.table import Log, numbers_of, texts_of
+from bayesfric.logs.mapping import JOINT, Mapping, scale_of
+from bayesfric.logs.ordering import Series, in_order, unwrapped
+from bayesfric.logs.table import LISTED, Log, numbers_of, texts_of
 
 ALL = "all"
-LISTED = 12
 OPTIONAL = ("measured_force", "velocity", "known_force", "temperature")
 """Signals that a mapping may leave out; a blank column counts as absent."""
+RATE = "time.rate_hz"
+OR_LEAVE_OUT = "leave it out where it is blank"
+ONE_JOINT = (
+    "rows of one joint, and each time has rows of several: say which column names the joint, "
+    'joint_column = "…", at the top of the mapping'
+)
 
 
 @dataclass(frozen=True)
@@ -80,16 +86,13 @@ def joints_of(log: Log, mapping: Mapping, joint: str | None) -> tuple[str | None
     return (joint,)
 
 
-def _listed(names: list[str]) -> str:
-    return ", ".join(names[:LISTED]) + (", …" if len(names) > LISTED else "")
-
-
 def _which(names: list[str]) -> Fault:
-    return Fault("--joint", f"all, or one of the joints {_listed(names) or '(there is none)'}")
+    joints = first_of(names, LISTED) or "(there is none)"
+    return Fault("--joint", f"all, or one of the joints {joints}")
 
 
 def _no_joint(where: str, joint: str, names: list[str]) -> Fault:
-    listed = _listed(names) or "there is none"
+    listed = first_of(names, LISTED) or "there is none"
     expected = f"all, or one of its joints ({listed}){near(joint, names)}"
     return Fault(where, expected, column="--joint", value=joint)
 
@@ -152,122 +155,91 @@ def signals_of(
     InputError
         A column is missing, a cell is no number or no time, or a clock restarts.
     """
-    wanted = {joint: mapping.of_joint(joint) for joint in joints}
     faults: list[Fault] = []
-    stamps = _stamps(log, mapping, wanted, faults)
-    values = {
-        (joint, name): _values(log, mapping, name, signal, faults)
-        for joint, signals in wanted.items()
-        for name, signal in signals.items()
-    }
-    faults = faults or _of_one_rate(log, mapping, wanted)
+    wanted = {joint: _columns(log, mapping, joint, faults) for joint in joints}
+    every = [column for columns in wanted.values() for column in columns.values()]
+    stamps = _stamps(log, mapping, every, faults)
+    numbers = {column: numbers_of(log, column.name, faults) * column.scale for column in every}
+    faults += _of_other_lengths(log, every)
     if faults:
         raise InputError(list(dict.fromkeys(faults)))
-    times, said = _times(log, mapping, stamps)
+    times, notes = _times(log, mapping, stamps)
     of_joints = {}
-    for joint, signals in wanted.items():
-        ordered = {}
-        for name, signal in signals.items():
-            value = values[joint, name]
-            clock = mapping.clock_of(signal)
-            time = _of_rate(mapping, value.size) if clock is None else times[_name(log, clock)]
-            ordered[name] = in_order(time, value, log.name, _called(log, clock), log.first_row)
-            if name == "position" and is_of_several_joints(time, value):
-                faults.append(_several_joints(log, signal))
-            if name in OPTIONAL and not ordered[name].series.time_s.size:
-                faults.append(_blank(log, name, signal))
-        of_joints[joint] = _signals(ordered, said)
+    for joint, columns in wanted.items():
+        series: dict[str, Series] = {}
+        clauses: dict[str, list[str]] = {}
+        for key, column in columns.items():
+            value, clock = numbers[column], column.clock or RATE
+            time = times[clock] if column.clock else _of_rate(mapping, value.size)
+            series[key], done = in_order(time, value, log.name, clock, log.first_row)
+            for clause in done:
+                clauses.setdefault(clause, []).append(key.replace("_", " "))
+            if key == "position" and is_of_several_joints(time, value):
+                faults.append(Fault(log.name, ONE_JOINT, column=column.name))
+            if key in OPTIONAL and not series[key].time_s.size:
+                expected = f"some number, where the mapping has [{key}]: {OR_LEAVE_OUT}"
+                faults.append(Fault(log.name, expected, column=column.name, value="no number"))
+        said = [f"{' and '.join(keys)}: {clause}." for clause, keys in clauses.items()]
+        of_joints[joint] = Signals(series, (*notes, *said))
     if faults:
         raise InputError(faults)
     return of_joints
 
 
-def _several_joints(log: Log, signal: Signal) -> Fault:
-    expected = (
-        "rows of one joint, and each time has rows of several: say which column names the joint, "
-        'joint_column = "…", at the top of the mapping'
-    )
-    return Fault(log.name, expected, column=_name(log, signal.column))
+class _Column(NamedTuple):
+    """A signal's column and clock by their names in the log; without a clock at a rate."""
+
+    name: str
+    clock: str | None
+    scale: float
 
 
-def _blank(log: Log, name: str, signal: Signal) -> Fault:
-    expected = f"some number, where the mapping has [{name}]: leave it out where it is blank"
-    return Fault(log.name, expected, column=_name(log, signal.column), value="no number")
-
-
-def _name(log: Log, column: str | int) -> str:
-    name = log.name_of(column)
-    if name is None:
-        raise InputError([log.no_column(column)])
-    return name
-
-
-def _called(log: Log, clock: str | int | None) -> str:
-    return "time.rate_hz" if clock is None else _name(log, clock)
+def _columns(
+    log: Log, mapping: Mapping, joint: str | None, faults: list[Fault]
+) -> dict[str, _Column]:
+    """Return the columns of a joint's signals; `faults` receives those that the log lacks."""
+    columns = {}
+    for key, signal in mapping.of_joint(joint).items():
+        clock = mapping.clock_of(signal)
+        places = [signal.column] if clock is None else [signal.column, clock]
+        names = [name for place in places if (name := log.name_of(place)) is not None]
+        faults += [log.no_column(place) for place in places if log.name_of(place) is None]
+        if len(names) == len(places):
+            columns[key] = _Column(
+                names[0], None if clock is None else names[1], scale_of(key, signal)
+            )
+    return columns
 
 
 def _stamps(
-    log: Log,
-    mapping: Mapping,
-    wanted: Of[str | None, Of[str, Signal]],
-    faults: list[Fault],
+    log: Log, mapping: Mapping, columns: list[_Column], faults: list[Fault]
 ) -> dict[str, Stamps]:
     """Return the stamps of every clock of a signal, by column."""
-    clocks = [
-        mapping.clock_of(signal) for signals in wanted.values() for signal in signals.values()
-    ]
     stamps: dict[str, Stamps] = {}
-    for clock in dict.fromkeys(clocks):
-        if clock is None:
-            continue
-        column = log.name_of(clock)
-        if column is None:
-            faults.append(log.no_column(clock))
-            continue
-        cells = texts_of(log.columns[column])
+    for clock in dict.fromkeys(column.clock for column in columns if column.clock is not None):
+        cells = texts_of(log.columns[clock])
         try:
-            stamps[column] = stamps_of(cells, mapping.time.unit, log.name, column, log.first_row)
+            stamps[clock] = stamps_of(cells, mapping.time.unit, log.name, clock, log.first_row)
         except InputError as error:
             faults += error.faults
     return stamps
 
 
-def _values(log: Log, mapping: Mapping, name: str, signal: Signal, faults: list[Fault]) -> Array:
-    column = log.name_of(signal.column)
-    if column is None:
-        faults.append(log.no_column(signal.column))
-        return np.zeros(0)
-    clock = mapping.clock_of(signal)
-    of_clock = None if clock is None else log.name_of(clock)
-    if of_clock is not None and len(log.columns[of_clock]) != len(log.columns[column]):
-        expected = f"{len(log.columns[of_clock]):,} rows, as its clock {of_clock} has"
-        rows = f"{len(log.columns[column]):,} rows"
-        faults.append(Fault(log.name, expected, column=column, value=rows))
-    return numbers_of(log, column, faults) * scale_of(name, signal)
-
-
-def _of_one_rate(
-    log: Log, mapping: Mapping, wanted: Of[str | None, Of[str, Signal]]
-) -> list[Fault]:
-    """Return a fault if columns with one rate belong to tables of different lengths."""
-    rows = {
-        _name(log, signal.column): len(log.columns[_name(log, signal.column)])
-        for signals in wanted.values()
-        for signal in signals.values()
-        if mapping.clock_of(signal) is None
-    }
-    if not rows:
-        return []
-    first, *others = rows
-    expected = (
-        f"{rows[first]:,} rows, as {first} has, where time.rate_hz stands for their clock: "
-        "which rows belong together is not known; take columns of a clock"
-    )
-    return [
-        Fault(log.name, expected, column=column, value=f"{rows[column]:,} rows")
-        for column in others
-        if rows[column] != rows[first]
-    ]
+def _of_other_lengths(log: Log, columns: list[_Column]) -> Iterator[Fault]:
+    """Yield the columns that are not as long as their clock, or as the first one at the rate."""
+    of_rate = [column.name for column in columns if column.clock is None]
+    for column in columns:
+        other = column.clock or of_rate[0]
+        rows, expected = (len(log.columns[name]) for name in (column.name, other))
+        why = f"as its clock {other} has"
+        if column.clock is None:
+            why = (
+                f"as {other} has, where {RATE} stands for their clock: which rows belong together "
+                "is not known; take columns of a clock"
+            )
+        if rows != expected:
+            value = f"{rows:,} rows"
+            yield Fault(log.name, f"{expected:,} rows, {why}", column=column.name, value=value)
 
 
 def _of_rate(mapping: Mapping, rows: int) -> Array:
@@ -290,14 +262,3 @@ def _times(
         times[column], done = unwrapped(since, float(origin), of_column.periods_s, log.first_row)
         notes += [f"{column}: {note}." for note in done]
     return times, notes
-
-
-def _signals(ordered: dict[str, Ordered], before: list[str]) -> Signals:
-    """Return the series, and each note once, with its signals."""
-    of_clause: dict[str, list[str]] = {}
-    for name, signal in ordered.items():
-        for clause in signal.notes:
-            of_clause.setdefault(clause, []).append(name.replace("_", " "))
-    notes = [*before]
-    notes += [f"{' and '.join(names)}: {clause}." for clause, names in of_clause.items()]
-    return Signals({name: signal.series for name, signal in ordered.items()}, tuple(notes))

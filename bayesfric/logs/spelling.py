@@ -105,12 +105,9 @@ def unit_in_name(kind: str, name: str) -> Spelled | None:
     """
     if kind not in SPELLINGS:
         return None
-    for bracket in reversed(re.findall(r"[\[(]([^\])]*)[\])]", name)):
-        if spelled := unit_of_text(kind, bracket):
-            return spelled
-    words = words_of(name)
-    if spelled := _ends_with(kind, words, name):
+    if spelled := _marked(kind, name):
         return spelled
+    words = words_of(name)
     quantities = QUANTITIES.get(kind, {})
     for place in range(len(words) - 1, 0, -1):
         spelled = _ends_with(kind, words[:place], "")
@@ -130,14 +127,18 @@ def kind_of_unit(name: str) -> str | None:
     """
     lengths: dict[str, int] = {}
     for kind in ("velocity", "force", "position"):
-        brackets = re.findall(r"[\[(]([^\])]*)[\])]", name)
-        spelled = next(
-            filter(None, (unit_of_text(kind, text) for text in reversed(brackets))), None
-        )
-        spelled = spelled or _ends_with(kind, words_of(name), name)
+        spelled = _marked(kind, name)
         if spelled is not None and len(spelled.text) > 1 and spelled.unit in TELLING:
             lengths[kind] = len(words_of(spelled.text))
     return max(lengths, key=lambda kind: lengths[kind], default=None)
+
+
+def _marked(kind: str, name: str) -> Spelled | None:
+    """Return the unit in the last brackets with one, or at the end of a name."""
+    for bracket in reversed(re.findall(r"[\[(]([^\])]*)[\])]", name)):
+        if spelled := unit_of_text(kind, bracket):
+            return spelled
+    return _ends_with(kind, words_of(name), name)
 
 
 def _ends_with(kind: str, words: list[str], name: str) -> Spelled | None:

@@ -2,15 +2,15 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from bayesfric.arrays import Array, Whole
-from bayesfric.errors import Fault, InputError, near
+from bayesfric.arrays import Array
+from bayesfric.errors import Fault, InputError, first_of, near
 from bayesfric.recording.reading import LARGEST_FILE as LARGEST_FILE
 
 MOST_CELLS = 64_000_000  # as doubles, 512 MiB
@@ -53,24 +53,65 @@ class Log:
         names = list(self.columns)
         return names[column - 1] if 1 <= column <= len(names) else None
 
+    def named(self, column: str | int) -> str:
+        """Return the name of a column from its name or its number from 1.
+
+        Raises
+        ------
+        InputError
+            There is no such column.
+        """
+        name = self.name_of(column)
+        if name is None:
+            raise InputError([self.no_column(column)])
+        return name
+
     def no_column(self, column: str | int) -> Fault:
         """Return the fault of a column that does not exist, with the existing columns."""
         names = list(self.columns)
         if isinstance(column, int):
             expected = f"a number of a column, from 1 to {len(names)}"
             return Fault(self.name, expected, column=str(column))
-        listed = ", ".join(names[:LISTED]) + (", …" if len(names) > LISTED else "")
-        expected = f"one of {listed or 'its columns, but it has none'}{near(column, names)}"
+        listed = first_of(names, LISTED) or "its columns, but it has none"
+        expected = f"one of {listed}{near(column, names)}"
         return Fault(self.name, expected, column=column)
 
-    def taken(self, rows: Whole, length: int) -> "Log":
-        """Return these rows of the columns that have this length, without the others."""
-        columns = {
-            name: cells[rows] if isinstance(cells, np.ndarray) else [cells[row] for row in rows]
-            for name, cells in self.columns.items()
-            if len(cells) == length
+    def parted(self, column: str | int, most: int, expected: str) -> dict[str, "Log"]:
+        """Return the rows of each text of a column, in the order of the log.
+
+        Columns that are not as long as this one are left out.
+
+        Parameters
+        ----------
+        column : str or int
+            Its name or number.
+        most : int
+            Largest number of different texts.
+        expected : str
+            What the texts are, for an error.
+
+        Raises
+        ------
+        InputError
+            There is no such column, it is blank, or it has more texts.
+        """
+        name = self.named(column)
+        cells = texts_of(self.columns[name])
+        rows: dict[str, list[int]] = {}
+        for row, cell in enumerate(cells):
+            if cell is not None and cell.strip():
+                rows.setdefault(cell.strip(), []).append(row)
+        if not 1 <= len(rows) <= most:
+            raise InputError([Fault(self.name, expected, column=name, value=f"{len(rows):,}")])
+        columns = {key: own for key, own in self.columns.items() if len(own) == len(cells)}
+        return {
+            text: replace(self, columns={key: _some(own, of) for key, own in columns.items()})
+            for text, of in rows.items()
         }
-        return Log(self.name, columns, self.first_row, self.notes, self.units)
+
+
+def _some(cells: Cells, rows: list[int]) -> Cells:
+    return cells[rows] if isinstance(cells, np.ndarray) else [cells[row] for row in rows]
 
 
 @contextmanager
@@ -112,6 +153,27 @@ def check_cells(name: str, cells: int, columns: int = 1) -> None:
     if columns > MOST_COLUMNS:
         expected = f"at most {MOST_COLUMNS:,} columns"
         raise InputError([Fault(name, expected, value=f"{columns:,}")])
+
+
+def leaves(record: Mapping[str, Any], deepest: int, before: str = "") -> dict[str, Any]:
+    """Return the values of a record, with dotted names for those of records in it.
+
+    Parameters
+    ----------
+    record : mapping of str
+        The record.
+    deepest : int
+        Levels of records in it that are opened.
+    before : str
+        What stands before each name.
+    """
+    values: dict[str, Any] = {}
+    for key, value in record.items():
+        if isinstance(value, dict) and deepest:
+            values |= leaves(value, deepest - 1, f"{before}{key}.")
+        else:
+            values[before + key] = value
+    return values
 
 
 def columns_of_array(name: str, array: npt.NDArray[Any]) -> tuple[dict[str, Cells], str | None]:
@@ -194,10 +256,9 @@ def numbers_of(log: Log, column: str, faults: list[Fault]) -> Array:
     cells = log.columns[column]
     if isinstance(cells, np.ndarray) and cells.dtype.kind in "fiub":
         numbers = _in_doubles(cells)
-        wrong = np.flatnonzero(np.isinf(numbers))
     else:
-        numbers = np.array([_number(cell) for cell in cells], dtype=np.float64)
-        wrong = np.flatnonzero(np.isinf(numbers))
+        numbers = np.array([number_of(cell) for cell in cells], dtype=np.float64)
+    wrong = np.flatnonzero(np.isinf(numbers))
     if wrong.size:
         place, like = int(wrong[0]), int(wrong.size) - 1
         value = str(cells[place])
@@ -219,7 +280,7 @@ def _in_doubles(cells: npt.NDArray[Any]) -> Array:
     return np.where(decimals.astype(cells.dtype) == cells, decimals, doubles)
 
 
-def _number(cell: str | None) -> float:
+def number_of(cell: str | None) -> float:
     """Return the number of a cell, NaN for a blank cell and infinity for other text."""
     text = "" if cell is None else str(cell).strip()
     if text.lower() in BLANK:

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array
+from bayesfric.logs.ordering import GAP
+from bayesfric.recording.held import held_for, position_held_for
 from bayesfric.recording.tables import Axis
 
-GAP = 3.0  # intervals without a sample that are a gap
-HELD = 0.5  # least share of the stretches of equal values that have one length
 JITTER = 0.05  # rms over the interval, above which jitter is reported
 AT_LIMIT = 0.01  # share of the samples at the largest value, above which it is a limit
 FEW_AT_LIMIT = 5  # up to this many samples at the largest value are chance
@@ -134,6 +134,7 @@ def _of_joint(samples: pd.DataFrame, joint: str | None) -> Telemetry:
     moved = moved[moved > 0]
     force = samples["force_n"].to_numpy() if "force_n" in samples else np.zeros(0)
     largest = float(np.abs(force).max(initial=0.0))
+    position_hold, force_hold = _held_in(max(runs, key=len))
     late = None
     if "force_time_s" in samples:
         late = float((samples["force_time_s"] - samples["time_s"]).median())
@@ -147,8 +148,8 @@ def _of_joint(samples: pd.DataFrame, joint: str | None) -> Telemetry:
         gaps=int((every > GAP * interval).sum()),
         stroke=float(np.ptp(position)),
         step=float(np.quantile(moved, 0.01)) if moved.size else 0.0,
-        position_hold=_hold([run["position_m"].to_numpy() for run in runs]),
-        force_hold=_hold([run["force_n"].to_numpy() for run in runs]) if force.size else 1,
+        position_hold=position_hold,
+        force_hold=force_hold,
         force_largest=largest,
         at_limit=_at_limit(np.abs(force), largest),
         late_s=late,
@@ -162,19 +163,10 @@ def _at_limit(force: Array, largest: float) -> float:
     return count / force.size if count > FEW_AT_LIMIT else 0.0
 
 
-def _hold(runs: list[Array]) -> int:
-    """Return for how many samples values are held; 1 if no length is usual.
-
-    Values of a coarse sensor repeat too, until the joint has moved by a step, so their lengths
-    vary.
-    """
-    lengths = []
-    for values in runs:
-        changed = np.flatnonzero(np.diff(values) != 0) + 1
-        lengths.append(np.diff(changed))
-    stretches = np.concatenate(lengths) if lengths else np.zeros(0, dtype=np.intp)
-    if stretches.size == 0:
-        return 1
-    counts = np.bincount(stretches)
-    usual = int(counts.argmax())
-    return usual if counts[usual] > HELD * stretches.size else 1
+def _held_in(run: pd.DataFrame) -> tuple[int, int]:
+    """Return for how many samples positions and forces are held in a run; 1 if they are not."""
+    position = run["position_m"].to_numpy(dtype=np.float64)
+    force = np.zeros_like(position)
+    if "force_n" in run:
+        force = run["force_n"].to_numpy(dtype=np.float64)
+    return position_held_for(position, force), held_for(force)

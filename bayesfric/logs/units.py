@@ -40,8 +40,3 @@ STRAIGHT = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "kgf": 9.80665}
 ELECTRIC = {"A": 1.0, "mA": 1e-3, "V": 1.0, "mV": 1e-3, "share": 1.0, "%": 1e-2, "raw": 1.0}
 """Units instead of a force that need a factor: N·m (or N) for 1 A, 1 V, full PWM, 1 count."""
 FORCES = {**TORQUES, **STRAIGHT, **ELECTRIC}
-
-
-def needs_factor(unit: str) -> bool:
-    """Return whether a unit is no force without a factor."""
-    return unit in ELECTRIC

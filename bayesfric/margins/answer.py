@@ -10,9 +10,9 @@ from bayesfric.margins.describing import necessary_gain
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Spec
 from bayesfric.margins.margin_rules import MARGIN_RULES
-from bayesfric.margins.metric_definitions import HUNTS
+from bayesfric.margins.metric_definitions import HUNTS, full_name
 from bayesfric.margins.scanning import REST, Condition
-from bayesfric.margins.terms import FEW_DRAWS, chance_of_missing, standard_error
+from bayesfric.margins.terms import FEW_DRAWS, MEASURE_IT, chance_of_missing, standard_error
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.probabilities import ROUNDING, bound_of, bound_of_hits, percent, stated_of_draws
 from bayesfric.schemas.margins import GammaProbability, Metric
@@ -174,7 +174,7 @@ def against_the_spec(
         Specs of the file.
     """
     chances = {
-        " ".join(filter(None, (metric.name, metric.direction))): chance_of_missing(metric)
+        full_name(metric): chance_of_missing(metric)
         for metric in metrics
         if metric.spec is not None
     }
@@ -209,8 +209,8 @@ def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
         key = max(own, key=lambda group: own[group])
         if own[key] >= MARGIN_RULES.worth_measuring:
             yield (
-                f"The assumed {key} contributes {own[key]:.0%} of the variance of friction: "
-                "measure it."
+                f"The assumed {key} contributes {own[key]:.0%} of the variance of friction"
+                f"{MEASURE_IT}"
             )
 
 

@@ -33,8 +33,8 @@ class Assembly:
     ----------
     coefficients : mapping of str to Coefficients
         Coefficients of the law by pulley size, shape (draws,).
-    factor, factor_of_c2 : tuple of ndarray
-        Factors on the friction of each run of the loop by c1 and c3, and by c2, shape (draws,).
+    factor, factor_of_c2 : mapping of str to ndarray
+        Factors on the friction by c1 and c3, and by c2, by the key of a run, shape (draws,).
     numbers : mapping of str to ndarray
         Values by dotted key of the loop file, shape (draws,).
     uncertain : tuple of str
@@ -44,8 +44,8 @@ class Assembly:
     """
 
     coefficients: Mapping[str, Coefficients]
-    factor: tuple[Array, ...]
-    factor_of_c2: tuple[Array, ...]
+    factor: Mapping[str, Array]
+    factor_of_c2: Mapping[str, Array]
     numbers: Mapping[str, Array]
     uncertain: tuple[str, ...]
     acting: tuple[DrawnEffect, ...] = ()
@@ -53,7 +53,7 @@ class Assembly:
     @property
     def draws(self) -> int:
         """Number of draws."""
-        return self.factor[0].size
+        return next(iter(self.factor.values())).size
 
     def __getitem__(self, key: str) -> Array:
         return self.numbers[key]
@@ -76,8 +76,8 @@ class Assembly:
         return replace(
             self,
             coefficients={size: taken(law, rows) for size, law in self.coefficients.items()},
-            factor=taken(self.factor, rows),
-            factor_of_c2=taken(self.factor_of_c2, rows),
+            factor={key: values[rows] for key, values in self.factor.items()},
+            factor_of_c2={key: values[rows] for key, values in self.factor_of_c2.items()},
             numbers={key: values[rows] for key, values in self.numbers.items()},
             acting=tuple(effect.taken(rows) for effect in self.acting),
         )
@@ -132,7 +132,7 @@ def draw_assembly(
     InputError
         A pulley size of the loop is not in the draws.
     """
-    _refuse_sizes(loop, posterior)
+    refuse_sizes(loop, posterior)
     n = posterior.count
 
     def generator(key: str) -> np.random.Generator:
@@ -143,19 +143,19 @@ def draw_assembly(
     order = generator("order").permutation(n) if stream else np.arange(n)
     rig = discrepancy.sd * generator("rig").standard_normal(n)
 
-    def scattered(kind: str, scatter: Mapping[str, Array]) -> list[Array]:
-        # deviation of each run's assembly from the law
-        return [
-            scatter[run.pulley_size][order]
-            * generator(f"{kind}.{key.removeprefix('runs.')}").standard_normal(n)
-            if run.pulley_size in scatter
-            else np.zeros(n)
-            for key, run in loop.every_run
-        ]
+    def scattered(kind: str, key: str, scatter: Array | None) -> Array:
+        # deviation of a run's assembly from the law
+        if scatter is None:
+            return np.zeros(n)
+        deviation = generator(f"{kind}.{key.removeprefix('runs.')}").standard_normal(n)
+        return scatter[order] * deviation
 
-    factor = tuple(1 + own + rig for own in scattered("assembly", posterior.omega))
-    deviations_of_c2 = scattered("intercept", posterior.omega_intercept)
-    factor_of_c2 = tuple(of_run + own for of_run, own in zip(factor, deviations_of_c2, strict=True))
+    factor, factor_of_c2 = {}, {}
+    for key, run in loop.every_run:
+        size = run.pulley_size
+        factor[key] = 1 + scattered("assembly", key, posterior.omega.get(size)) + rig
+        of_c2 = scattered("intercept", key, posterior.omega_intercept.get(size))
+        factor_of_c2[key] = factor[key] + of_c2
     numbers, uncertain = {}, []
     for key, value in _quantities(loop).items():
         if is_uncertain(value):
@@ -168,7 +168,7 @@ def draw_assembly(
     return Assembly(coefficients, factor, factor_of_c2, numbers, tuple(uncertain), acting)
 
 
-def _refuse_sizes(loop: Loop, posterior: Posterior) -> None:
+def refuse_sizes(loop: Loop, posterior: Posterior) -> None:
     """Raise for runs over pulleys of a size that is not in the draws."""
     sizes = set(posterior.coefficients)
     faults = [
@@ -187,7 +187,7 @@ def _refuse_sizes(loop: Loop, posterior: Posterior) -> None:
 
 def nominal_assembly(loop: Loop, posterior: Posterior) -> Assembly:
     """Return one draw: posterior means, no scatter, no effects, medians of uncertain numbers."""
-    unscattered = tuple(np.ones(1) for _ in loop.every_run)
+    unscattered = {key: np.ones(1) for key, _ in loop.every_run}
     return Assembly(
         {
             size: Coefficients(*(np.array([np.mean(np.asarray(part))]) for part in law))

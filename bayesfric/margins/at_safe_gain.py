@@ -7,7 +7,7 @@ import numpy as np
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Spec
 from bayesfric.margins.metric_definitions import missed_specs
-from bayesfric.margins.metrics import closed_forms, linear_of
+from bayesfric.margins.metrics import linear_of
 from bayesfric.margins.rows import metric_rows
 from bayesfric.margins.terms import rounded_down
 from bayesfric.margins.thresholds import Hunting
@@ -46,9 +46,7 @@ def at_safe_gain(
     lower = replace(shaft, gamma=np.full_like(shaft.gamma, gamma))
     hunts = hunting.threshold <= gamma
     linear = linear_of(lower, with_peaks=True)
-    rows = metric_rows(
-        lower, closed_forms(lower, linear), linear, replace(hunting, hunts=hunts[None]), draws
-    )
+    rows = metric_rows(lower, linear, replace(hunting, hunts=hunts[None]), draws)
     return AtSafeGain(
         gamma=gamma,
         missed_specs=missed_specs(rows, float(hunts.mean()), spec),

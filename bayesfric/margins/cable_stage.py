@@ -101,20 +101,18 @@ def _stage(
 ) -> Stage:
     """Return the cable with a key in the file, and its runs."""
     before = f"{cable.removesuffix('cable')}runs."
-    keys = tuple(key for key, _ in loop.every_run if key.startswith(before))
-    tension = tuple(given[f"{key}.tension_n"] for key in keys)
-    every = zip(loop.every_run, given.factor, given.factor_of_c2, strict=True)
+    own = {key: run for key, run in loop.every_run if key.startswith(before)}
+    tension = tuple(given[f"{key}.tension_n"] for key in own)
     runs = tuple(
         run_friction(
             run,
             given.coefficients[run.pulley_size],
-            factor,
+            given.factor[key],
             given[f"{key}.tension_n"],
             given[f"{cable}.length_m"],
-            of_c2,
+            given.factor_of_c2[key],
         )
-        for (key, run), factor, of_c2 in every
-        if key in keys
+        for key, run in own.items()
     )
     none = np.zeros(given.draws)
     lost = sum((run.lost_length for run in runs), none)
@@ -125,7 +123,7 @@ def _stage(
         friction=np.maximum(per_rad * sum((run.loop for run in runs), none), 0.0),
         lost=lost / given[f"{cable}.axial_stiffness_n"] / per_rad,
         tension=tension or (given["second_stage.tension_n"],),
-        keys=keys,
+        keys=tuple(own),
         runs=runs,
     )
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from bayesfric.analysis import Analysis
 from bayesfric.attention.margins import of_margins
 from bayesfric.errors import Fault, InputError
-from bayesfric.margins.assembly import draw_assembly, nominal_assembly
+from bayesfric.margins.assembly import nominal_assembly, refuse_sizes
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.ensemble import Ensemble
 from bayesfric.margins.following import needs_motion
@@ -19,9 +19,9 @@ from bayesfric.margins.loop_margins import Asked, loop_margins
 from bayesfric.margins.loop_reading import read_loop
 from bayesfric.margins.metrics import linear_of
 from bayesfric.margins.plant import plant_of
-from bayesfric.margins.posterior import Posterior, RigDiscrepancy, read_draws
+from bayesfric.margins.posterior import Posterior, RigDiscrepancy, fit_beside, read_draws
 from bayesfric.margins.reflecting import at_shaft
-from bayesfric.results import identified, provenance, read_json, replace_outputs
+from bayesfric.results import identified, provenance, replace_outputs
 from bayesfric.schemas import FitFile, MarginsFile
 from bayesfric.schemas.margins import LoopMargins
 
@@ -158,7 +158,7 @@ def compute_margins(
         _refuse_unstable(loop, chosen.posterior, ensembles)
     asked = Asked(analysis.seed, verify, tune, ensembles, max(simulated, 2))
     margins, drawn = zip(*_of_loops(read, chosen, discrepancy, asked, progress), strict=True)
-    summary = _summary(margins, chosen, discrepancy, analysis, _fit_of(path))
+    summary = _summary(margins, chosen, discrepancy, analysis, fit_beside(path))
     return Margins(identified(summary), drawn)
 
 
@@ -202,12 +202,6 @@ def _summary(
     )
 
 
-def _fit_of(draws: Path) -> FitFile | None:
-    """Return the fit of the draws, if its file is beside them."""
-    path = draws.with_name("fit.json")
-    return read_json(FitFile, path) if path.is_file() else None
-
-
 def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
     read: list[Loop] = []
     faults: list[Fault] = []
@@ -228,9 +222,7 @@ def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
 
 def _refuse_unstable(loop: Loop, posterior: Posterior, moves: bool) -> None:
     """Raise if the median loop is unstable, unless the file says that it relies on friction."""
-    sizes = {run.pulley_size for _, run in loop.every_run} - set(posterior.coefficients)
-    if sizes:  # draw_assembly raises with the place in the file
-        draw_assembly(loop, posterior, RigDiscrepancy(0.0, ""), 0)
+    refuse_sizes(loop, posterior)
     shaft = at_shaft(loop, nominal_assembly(loop, posterior))
     unknown = [*refused(loop, posterior), *(needs_motion(shaft) if moves else ())]
     if unknown:

@@ -217,21 +217,16 @@ def _force(effect: DrawnEffect, shaft: LoopAtShaft, given: Assembly, speed: Arra
     """Return the friction that an effect adds at a speed of the motor's cable [N]."""
     total = np.zeros(given.draws)
     per_rad = {key: stage.per_rad for stage in shaft.stages for key in stage.keys}
-    every = zip(shaft.loop.every_run, given.factor, given.factor_of_c2, strict=True)
-    for (key, run), factor, of_c2 in every:
+    for key, run in shaft.loop.every_run:
         ratio = per_rad[key] / shaft.cable_per_rad
         sides = 2 if run.topology == "antagonist-pair" else 1
-        law = given.coefficients[run.pulley_size]
-        scales = (factor, of_c2, factor)
-        scattered = Coefficients(
-            *(np.asarray(part) * scale for part, scale in zip(law, scales, strict=True))
-        )
-        tension = given[f"{key}.tension_n"]
+        c1, c2, c3 = map(np.asarray, given.coefficients[run.pulley_size])
+        factor = given.factor[key]
         state = State.of(
-            scattered,
+            Coefficients(c1 * factor, c2 * given.factor_of_c2[key], c3 * factor),
             run.count,
             float(np.mean(run.angles_deg)),
-            tension,
+            given[f"{key}.tension_n"],
             ratio * speed,
             steady=True,
         )

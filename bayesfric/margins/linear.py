@@ -47,8 +47,8 @@ class LinearMargins:
         Smallest additional delay that destabilises [s]; inf without a crossing.
     disk : ndarray
         Diameter α of the disk of complex gains (skew 0) that are all stable, 2 at most.
-    gain_frequency, phase_frequency, disk_frequency : ndarray
-        Frequencies of these margins [rad/s]; NaN without a crossing.
+    phase_frequency : ndarray
+        Frequency of the phase margin [rad/s]; NaN without a crossing.
     crossings : ndarray of int
         Number of gain crossings of the loop.
     """
@@ -57,9 +57,7 @@ class LinearMargins:
     phase: Array
     delay: Array
     disk: Array
-    gain_frequency: Array
     phase_frequency: Array
-    disk_frequency: Array
     crossings: Rows
 
 
@@ -155,15 +153,15 @@ def linear_margins(
     sign = np.ones(loops)
     nearest = crossing == gain_frequency[turned]
     sign[turned[nearest]] = -np.sign(np.log(np.maximum(-real[nearest], 1e-300)))
-    disk, disk_frequency = _disk(response, omega, value)
+    disk = 2 * np.sqrt(
+        _least(response, omega, value, lambda z: _squared(z) / np.maximum(_squared(-z), 1e-300))
+    )
     return LinearMargins(
         np.exp(sign * log_gain),
         phase,
         delay,
         disk,
-        gain_frequency,
         phase_frequency,
-        disk_frequency,
         np.bincount(where, minlength=loops),
     )
 
@@ -207,8 +205,8 @@ def peaks(response: Response, omega: Array, on_grid: Complex | None = None) -> t
         As for :func:`linear_margins`; S = 1/(1 + L), T = L/(1 + L).
     """
     value = on_a_grid(response, omega) if on_grid is None else on_grid
-    apart, _ = _least(response, omega, value, _squared)
-    inverse, _ = _least(response, omega, value, lambda z: _squared(z) / _size(z))
+    apart = _least(response, omega, value, _squared)
+    inverse = _least(response, omega, value, lambda z: _squared(z) / _size(z))
     return 1 / np.sqrt(apart), 1 / np.sqrt(inverse)
 
 
@@ -220,18 +218,10 @@ def _size(value: Complex) -> Array:
     return np.asarray(np.maximum(value.real**2 + value.imag**2, 1e-300))
 
 
-def _disk(response: Response, omega: Array, value: Complex) -> tuple[Array, Array]:
-    """Return the disk margin, min over ω of 2|1 + L|/|1 − L|, and its ω."""
-    least, where = _least(
-        response, omega, value, lambda z: _squared(z) / np.maximum(_squared(-z), 1e-300)
-    )
-    return 2 * np.sqrt(least), where
-
-
 def _least(
     response: Response, omega: Array, value: Complex, margin: Callable[[Complex], Array]
-) -> tuple[Array, Array]:
-    """Return the minimum of a function of L over ω, and its ω, each of shape (loops,)."""
+) -> Array:
+    """Return the minimum of a function of L over ω, of shape (loops,)."""
     on_grid = margin(value)
     # every local minimum that could be the lowest once refined
     inner = on_grid[:, 1:-1]
@@ -240,7 +230,6 @@ def _least(
     low &= inner - curve <= on_grid.min(axis=1, keepdims=True)
     rows, at = np.nonzero(low)
     least = on_grid.min(axis=1)
-    where = np.take_along_axis(omega, on_grid.argmin(axis=1)[:, None], axis=1)[:, 0]
     if rows.size:
         triple: Any = tuple(np.log(omega[rows, at + shift]) for shift in (0, 1, 2))
 
@@ -251,10 +240,8 @@ def _least(
 
         find: Any = elementwise.find_minimum
         minimum = find(of_log, triple, args=(rows.astype(float),))
-        refined, place = _smallest(np.asarray(minimum.f_x), np.exp(minimum.x), rows, len(omega))
-        better = refined < least
-        least, where = np.where(better, refined, least), np.where(better, place, where)
-    return least, where
+        np.fmin.at(least, rows, minimum.f_x)
+    return np.asarray(least)
 
 
 def _turning(response: Response, low: float, high: float, row: np.intp) -> float:

@@ -9,7 +9,7 @@ from bayesfric.margins.cable_run import DIRECTIONS, Direction
 from bayesfric.margins.cable_stage import Stage, train_modes
 from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.sampled_loop import Cable, Controlled, SampledLoop
-from bayesfric.margins.wrist import Wrist
+from bayesfric.margins.wrist import JointAtShaft, Wrist
 
 STIFF = 5.0
 """Phase of a cable's ringing in one sample above which the cable counts as stiff [rad]."""
@@ -18,11 +18,12 @@ HEAVIER = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
-class LoopAtShaft(Controlled):
+class LoopAtShaft(Controlled, JointAtShaft):
     """The loop at the motor's shaft; every array of shape (draws,), SI.
 
     Friction is that of motor and gearbox, cable runs and joint. The other fields are those of
-    :class:`~bayesfric.margins.sampled_loop.Controlled`.
+    :class:`~bayesfric.margins.sampled_loop.Controlled`; those of the joint are those of
+    :class:`~bayesfric.margins.wrist.JointAtShaft`.
 
     Parameters
     ----------
@@ -71,22 +72,15 @@ class LoopAtShaft(Controlled):
 
     loop: Loop
     motor_inertia: Array
-    load_inertia: Array
     motor_viscous: Array
-    load_viscous: Array
     stiffness: Array
     damping: Array
     drive_friction: Array
     shaft_friction: Array
-    joint_friction: Array
     shaft_inertia: Array
     counts: Array
     clip: Array
     continuous: Array | None
-    net_load: Array
-    load_torque: Array
-    peak_velocity: Array
-    peak_acceleration: Array
     estimate: Array
     gamma: Array
     efficiency: Array

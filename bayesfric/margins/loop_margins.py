@@ -73,38 +73,31 @@ class Judged:
     ----------
     linear : mapping of Direction to Linear
         Linear margins by direction, with the peaks of S and T.
-    values : mapping of Key to ndarray
-        Metrics in closed form, of every draw.
     hunting : Hunting
         Thresholds of hunting.
     safe : SafeGain
         The largest compensation gain that is safe.
     rows : tuple of Metric
         Metrics as they are reported.
-    hunts : float
-        Probability that it hunts at the file's γ.
     missed : tuple of str
         Specs that it misses.
     """
 
     linear: Mapping[Direction | None, Linear]
-    values: Mapping[Key, Array]
     hunting: Hunting
     safe: SafeGain
     rows: tuple[Metric, ...]
-    hunts: float
     missed: tuple[str, ...]
 
     @classmethod
     def of(cls, shaft: LoopAtShaft, spec: Spec, simulated: int, draws: float) -> "Judged":
         """Judge a loop by its spec; `draws` is the effective number of draws of the fit."""
         linear = linear_of(shaft, with_peaks=True)
-        values = closed_forms(shaft, linear)
         hunting = find_hunting(shaft, simulated, spec.limit_cycle_probability_max)
         safe = largest_safe_gain(hunting, spec.limit_cycle_probability_max, draws)
-        rows = metric_rows(shaft, values, linear, hunting, draws)
-        hunts = float(hunting.now.mean())
-        return cls(linear, values, hunting, safe, rows, hunts, missed_specs(rows, hunts, spec))
+        rows = metric_rows(shaft, linear, hunting, draws)
+        missed = missed_specs(rows, float(hunting.now.mean()), spec)
+        return cls(linear, hunting, safe, rows, missed)
 
 
 def loop_margins(
@@ -242,13 +235,9 @@ def _map(hunting: Hunting, shaft: LoopAtShaft) -> HuntingMap | None:
         gamma=chart.gammas,
         speed_rad_s=tuple(float(np.median(speed)) for speed in speeds),
         speed_tip_m_s=tuple(float(np.median(speed * shaft.tip_per_rad)) for speed in speeds),
-        probability=_rows(chart.hunts.mean(axis=2)),
-        rms_error_m=_rows(tip * np.median(chart.rms_error, axis=2)),
+        probability=chart.hunts.mean(axis=2).tolist(),
+        rms_error_m=(tip * np.median(chart.rms_error, axis=2)).tolist(),
     )
-
-
-def _rows(table: Array) -> tuple[tuple[float, ...], ...]:
-    return tuple(tuple(float(value) for value in row) for row in table)
 
 
 def _why_not_followed(shaft: LoopAtShaft, moves: bool) -> str | None:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.margins.loop_file import Spec
 from bayesfric.schemas.margins import Metric
 
@@ -30,6 +31,10 @@ class Rule:
     sense: Literal["at least", "at most"]
     spec: str = ""
     note: str = ""
+
+    def misses(self, value: Array, spec: float) -> Flags:
+        """Return where values miss a spec; an unknown value, NaN, counts as missed."""
+        return ~(value >= spec) if self.sense == "at least" else ~(value <= spec)
 
 
 RULES = (
@@ -78,6 +83,11 @@ HUNTS = "limit_cycle_probability"
 """Name of a miss of ``spec.limit_cycle_probability_max``."""
 
 
+def full_name(metric: Metric) -> str:
+    """Return the name of a metric as ``missed_specs`` has it, with its direction if it has one."""
+    return " ".join(filter(None, (metric.name, metric.direction)))
+
+
 def missed_specs(metrics: Sequence[Metric], hunts: float, spec: Spec) -> tuple[str, ...]:
     """Return the specs that a loop misses with a probability above its file's limit.
 
@@ -98,7 +108,7 @@ def missed_specs(metrics: Sequence[Metric], hunts: float, spec: Spec) -> tuple[s
         Names of metrics, followed by the direction for an open run; :data:`HUNTS` for hunting.
     """
     missed = [
-        " ".join(filter(None, (metric.name, metric.direction)))
+        full_name(metric)
         for metric in metrics
         if metric.spec is not None
         and metric.name != "gamma_hunting"  # hunting has a spec of its own

@@ -95,32 +95,31 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
     backdrive = backdrive + np.abs(shaft.load_torque)
     least, largest = shaft.side_tension
     step = np.maximum(reversing_error(shaft), 2 * np.pi / shaft.counts)
-    values: dict[Key, Array] = {
-        ("friction_nominal", None): _at_first_cable(shaft, "nominal"),
-        ("friction_recursive", None): _at_first_cable(shaft, "recursive"),
-        ("steady_error_servo", None): stuck * tip,
-        ("lost_motion", None): shaft.unseen_motion * tip,
-        ("headroom_clip", None): 1 - needed / shaft.clip,
-        ("gamma_necessary", None): necessary_gain(shaft),
-        ("amplitude_margin", None): _known_amplitude(shaft, linear),
-        ("backdrive_force", None): backdrive / tip,
-        ("smallest_step", None): step * tip,
-        ("reversal_error", None): 2
-        * (reversing_error(shaft, loaded=False) + shaft.unseen_motion)
-        * tip,
-        ("cable_stretch", None): shaft.unseen_stretch * tip,
-        ("least_tension", None): least,
-        ("peak_tension", None): largest,
+    values = {
+        "friction_nominal": _at_first_cable(shaft, "nominal"),
+        "friction_recursive": _at_first_cable(shaft, "recursive"),
+        "steady_error_servo": stuck * tip,
+        "lost_motion": shaft.unseen_motion * tip,
+        "headroom_clip": 1 - needed / shaft.clip,
+        "gamma_necessary": necessary_gain(shaft),
+        "amplitude_margin": _known_amplitude(shaft, linear),
+        "backdrive_force": backdrive / tip,
+        "smallest_step": step * tip,
+        "reversal_error": 2 * (reversing_error(shaft, loaded=False) + shaft.unseen_motion) * tip,
+        "cable_stretch": shaft.unseen_stretch * tip,
+        "least_tension": least,
+        "peak_tension": largest,
     }
     if shaft.continuous is not None:
         held = shaft.friction + np.abs(shaft.load_torque)
-        values["headroom_continuous", None] = 1 - held / shaft.continuous
+        values["headroom_continuous"] = 1 - held / shaft.continuous
     if shaft.wrist is not None:
         values |= _of_the_wrist(shaft, shaft.wrist)
-        del values["smallest_step", None]
-    for direction, linear_along in linear.items():
-        values |= {(name, direction): value for name, value in linear_along.values.items()}
-    return values
+        del values["smallest_step"]
+    by_key: dict[Key, Array] = {(name, None): value for name, value in values.items()}
+    for direction, along in linear.items():
+        by_key |= {(name, direction): value for name, value in along.values.items()}
+    return by_key
 
 
 def _known_amplitude(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) -> Array:
@@ -136,7 +135,7 @@ def _known_amplitude(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linea
     return np.where(slips | (unstable & np.isinf(amplitude)), np.nan, amplitude)
 
 
-def _of_the_wrist(shaft: LoopAtShaft, wrist: Wrist) -> dict[Key, Array]:
+def _of_the_wrist(shaft: LoopAtShaft, wrist: Wrist) -> dict[str, Array]:
     """Return the metrics of a wrist's joint, from all its motors; the other joints are held."""
     lever = shaft.tip_per_rad / abs(wrist.own_row[wrist.axis])
     none = np.zeros_like(shaft.friction)
@@ -159,12 +158,11 @@ def _of_the_wrist(shaft: LoopAtShaft, wrist: Wrist) -> dict[Key, Array]:
     by_hand = by_hand + np.abs(wrist.joint_load[wrist.axis])
     left = wrist.under(wrist.joint_net_load) / shaft.kp
     return {
-        ("steady_error_servo", None): lever * (wrist.worst(stuck) + rubs * servo + left),
-        ("lost_motion", None): lever * (wrist.worst(unseen) + rubs * cable),
-        ("reversal_error", None): lever
-        * (wrist.reversing(turned) + 2 * own_rubs * (servo + cable)),
-        ("cable_stretch", None): lever * wrist.under(wrist.joint_load) * cable,
-        ("backdrive_force", None): by_hand / lever,
+        "steady_error_servo": lever * (wrist.worst(stuck) + rubs * servo + left),
+        "lost_motion": lever * (wrist.worst(unseen) + rubs * cable),
+        "reversal_error": lever * (wrist.reversing(turned) + 2 * own_rubs * (servo + cable)),
+        "cable_stretch": lever * wrist.under(wrist.joint_load) * cable,
+        "backdrive_force": by_hand / lever,
     }
 
 
@@ -193,8 +191,7 @@ def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, F
         for (name, direction), value in values.items():
             if name != rule.name or spec is None:
                 continue
-            # an unknown value, NaN, counts as missed
-            beyond = ~(value >= spec) if rule.sense == "at least" else ~(value <= spec)
+            beyond = rule.misses(value, spec)
             slack = ~shaft.taut if name in TAUT else np.zeros_like(beyond)
             missed[" ".join(filter(None, (name, direction)))] = np.asarray(beyond | slack)
     return missed

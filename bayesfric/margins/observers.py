@@ -11,26 +11,11 @@ K. Ohnishi, M. Shibata, T. Murakami, "Motion control for advanced mechatronics",
 Transactions on Mechatronics 1 (1996).
 """
 
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
 from bayesfric.arrays import Array
-
-
-class Observer(Protocol):
-    """An estimator of the torque to add at each sample."""
-
-    def torque(self, speed: Array, commanded: Array) -> Array:
-        """Return the torque to add at this sample, shape (draws,) [N·m].
-
-        Parameters
-        ----------
-        speed : ndarray, shape (draws,)
-            Speed of the derivative, after its low-pass if there is one [rad/s].
-        commanded : ndarray, shape (draws,)
-            Torque that was commanded at the last sample [N·m].
-        """
 
 
 class LuGreObserver:
@@ -91,3 +76,7 @@ class DisturbanceObserver:
         inflow = commanded + (self.momentum - self.viscous) * speed
         self.smoothed = self.smoothed + self.fresh * (inflow - self.smoothed)
         return self.smoothed - self.momentum * speed
+
+
+Observer: TypeAlias = LuGreObserver | DisturbanceObserver
+"""An estimator of the torque to add at each sample."""

@@ -1,6 +1,6 @@
 """The draws of a fit for an unmeasured machine, and the difference between rigs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -109,73 +109,67 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
         The file is missing, is not netCDF, or has no draws of c1, c2 and c3.
     """
     tree = read_tree(path) if tree is None else tree
-    _refuse_mixed_beside(path)
+    fit_beside(path)
     fault = Fault(path.name, "draws of a fit: c1, c2, c3 over chain, draw and pulley, and omega")
     if "posterior" not in tree.children:
         raise InputError([fault])
     table = by_walker(tree["posterior"].to_dataset())
-    omegas = {
-        name_of(name): name
-        for name in map(str, table.data_vars)
-        if name.partition("[")[0] == "omega"
-    }
     dimensions = {"chain", "draw", "pulley"}
-    if not ({"c1", "c2", "c3"} <= set(table.data_vars) and dimensions <= set(table.sizes)):
-        raise InputError([fault])
-    if not omegas and "omega_motor" in table.data_vars:
-        omegas = {"omega": "omega_motor"}  # a fit of the motor board alone
-    if not omegas:
+    if not (set(Coefficients._fields) <= set(table.data_vars) and dimensions <= set(table.sizes)):
         raise InputError([fault])
     few = thinned(table)
     coefficients = coefficients_of(few)
-    own = {
-        size: f"omega[{size}]" if f"omega[{size}]" in omegas else "omega" for size in coefficients
-    }
-    omega = {size: _flat(few, omegas.get(own[size], own[size]), size) for size in coefficients}
-    omega_intercept = _scatter_of_c2(table, few, coefficients)
+    omega, omega_intercept = (
+        _scatter(few, kind, coefficients) for kind in ("omega", "omega_intercept")
+    )
+    if set(omega) != set(coefficients):
+        raise InputError([fault])
     values = [*omega.values(), *omega_intercept.values()]
     values += [np.asarray(c) for law in coefficients.values() for c in law]
     if not all(np.isfinite(part).all() for part in values):
         raise InputError([Fault(path.name, "draws that are finite numbers")])
-    attributes = tree.attrs
     return Posterior(
         coefficients,
         omega,
         min(float(values[0].size), effective_draws(table)),
-        recording_of(attributes, path),
-        str(attributes.get("analysis_sha256", "")),
-        str(attributes.get("created", "")) or None,
-        _tested(attributes),
-        {
+        **_origin(tree.attrs, path),
+        tested=_tested(tree.attrs),
+        informed={
             str(key).removeprefix("informed."): frozenset(str(value).split())
-            for key, value in attributes.items()
+            for key, value in tree.attrs.items()
             if str(key).startswith("informed.")
         },
         omega_intercept=omega_intercept,
     )
 
 
-def _refuse_mixed_beside(path: Path) -> None:
-    """Raise if ``fit.json`` beside the draws belongs to another fit."""
-    fit = path.with_name("fit.json")
-    if fit.is_file():
-        refuse_mixed(read_json(FitFile, fit), fit)
+def fit_beside(draws: Path) -> FitFile | None:
+    """Return the fit of draws, if its file is beside them.
+
+    Raises
+    ------
+    InputError
+        It belongs to other draws.
+    """
+    path = draws.with_name("fit.json")
+    if not path.is_file():
+        return None
+    fit = read_json(FitFile, path)
+    refuse_mixed(fit, path)
+    return fit
 
 
-def _scatter_of_c2(
-    table: xr.Dataset, few: xr.Dataset, coefficients: Mapping[str, Coefficients]
-) -> dict[str, Array]:
-    """Return the scatter of c2 alone by pulley size; of the motor board if it is alone."""
+def _scatter(table: xr.Dataset, kind: str, sizes: Iterable[str]) -> dict[str, Array]:
+    """Return a scatter of assemblies by pulley size; of the motor board if it is alone."""
     names = {name_of(name): name for name in map(str, table.data_vars)}
-    by_size = {}
-    for size in coefficients:
-        own: tuple[str, ...] = (f"omega_intercept[{size}]", "omega_intercept")
-        if not {"omega", f"omega[{size}]"} & set(names):  # a fit of the motor board alone
-            own = ("omega_intercept_motor",)
-        name = next((names[key] for key in own if key in names), None)
-        if name is not None:
-            by_size[size] = _flat(few, name, size)
-    return by_size
+    motor_alone = not any(name.partition("[")[0] == "omega" for name in names)
+    return {
+        size: _flat(table, names[name], size)
+        for size in sizes
+        # that of one size, where there is one, replaces that of all
+        for name in ((f"{kind}_motor",) if motor_alone else (kind, f"{kind}[{size}]"))
+        if name in names
+    }
 
 
 def thinned(table: xr.Dataset) -> xr.Dataset:
@@ -192,14 +186,19 @@ def coefficients_of(table: xr.Dataset) -> dict[str, Coefficients]:
     }
 
 
-def recording_of(attributes: Mapping[Any, Any], path: Path) -> RecordingId:
-    """Return the recording of draws, from the attributes of their file."""
-    return RecordingId(
+def _origin(attributes: Mapping[Any, Any], path: Path) -> dict[str, Any]:
+    """Return the fields that say where draws come from, of the attributes of their file."""
+    recording = RecordingId(
         name=str(attributes.get("recording.name", path.name)),
         title=str(attributes.get("recording.title", "")),
         sha256=str(attributes.get("recording.sha256", "")),
         rig_sha256=str(attributes.get("recording.rig_sha256", "")),
     )
+    return {
+        "recording": recording,
+        "analysis_sha256": str(attributes.get("analysis_sha256", "")),
+        "created": str(attributes.get("created", "")) or None,
+    }
 
 
 def _flat(table: xr.Dataset, name: str, size: str) -> Array:
@@ -298,7 +297,7 @@ def read_draws(path: Path) -> tuple[Posterior, RigDiscrepancy]:
     population = tree.children.get("posterior")
     if population is None or "board" not in population.sizes:
         return read_posterior(path, tree), rig_discrepancy(path.parent)
-    _refuse_mixed_beside(path)
+    fit_beside(path)
     boards = [
         read_posterior(path.parent / "boards" / str(name) / "draws.nc")
         for name in population["board"].to_numpy()
@@ -309,39 +308,33 @@ def read_draws(path: Path) -> tuple[Posterior, RigDiscrepancy]:
         raise InputError([Fault(str(predictive), "new_board, of a fit of several boards")])
     coefficients = coefficients_of(thinned(new.to_dataset()))
     count = int(np.size(next(iter(coefficients.values())).c1))
-    return (
-        replace(
-            boards[0],
-            coefficients=coefficients,
-            omega={
-                size: _taking_turns([b.omega[size] for b in boards], count) for size in coefficients
-            },
-            omega_intercept={
-                size: _taking_turns([b.omega_intercept[size] for b in boards], count)
-                for size in coefficients
-                if all(size in b.omega_intercept for b in boards)
-            },
-            effective_draws=min(float(count), effective_draws(population.to_dataset())),
-            recording=recording_of(tree.attrs, path),
-            analysis_sha256=str(tree.attrs.get("analysis_sha256", "")),
-            created=str(tree.attrs.get("created", "")) or None,
-            tested={
-                size: _widest([b.tested.get(size, {}) for b in boards]) for size in coefficients
-            },
-            informed={
-                size: frozenset().union(*(b.informed.get(size, frozenset()) for b in boards))
-                for size in coefficients
-            },
-        ),
-        RigDiscrepancy(0.0, SCATTER_BETWEEN_BOARDS),
+    posterior = replace(
+        boards[0],
+        coefficients=coefficients,
+        omega=_taking_turns([board.omega for board in boards], count),
+        omega_intercept=_taking_turns([board.omega_intercept for board in boards], count),
+        effective_draws=min(float(count), effective_draws(population.to_dataset())),
+        **_origin(tree.attrs, path),
+        tested={
+            size: _widest([board.tested.get(size, {}) for board in boards]) for size in coefficients
+        },
+        informed={
+            size: frozenset().union(*(board.informed.get(size, frozenset()) for board in boards))
+            for size in coefficients
+        },
     )
+    return posterior, RigDiscrepancy(0.0, SCATTER_BETWEEN_BOARDS)
 
 
-def _taking_turns(boards: Sequence[Array], count: int) -> Array:
-    """Return a given number of draws, taken from the boards in turn."""
-    least = min(board.size for board in boards)
-    draws = (boards[k % len(boards)][(k // len(boards)) % least] for k in range(count))
-    return np.fromiter(draws, dtype=np.float64)
+def _taking_turns(boards: Sequence[Mapping[str, Array]], count: int) -> dict[str, Array]:
+    """Return draws from the boards in turn, by pulley size, for the sizes that all of them have."""
+    draw, by_size = np.arange(count), {}
+    for size in boards[0]:
+        if all(size in board for board in boards):
+            least = min(board[size].size for board in boards)
+            draws = np.stack([board[size][:least] for board in boards])
+            by_size[size] = draws[draw % len(boards), draw // len(boards) % least]
+    return by_size
 
 
 def _widest(

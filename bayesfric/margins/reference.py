@@ -1,23 +1,11 @@
 """References of a loop: position and speed at the sample times, over all draws."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
 from bayesfric.arrays import Array
-
-
-class Reference(Protocol):
-    """A trajectory for each draw; times and results have the shape (draws,)."""
-
-    def position(self, time: Array) -> Array:
-        """Return where it is at some times [rad]."""
-        ...
-
-    def speed(self, time: Array) -> Array:
-        """Return the speed at the given times [rad/s]."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -79,3 +67,7 @@ class Stroke:
         way = np.where(since < self.turn, self.ramp, -self.ramp)
         way = way + self.amplitude * self.omega * np.cos(self.omega * since)
         return np.where(since >= 0.0, way, 0.0)
+
+
+Reference: TypeAlias = ConstantSpeed | Stroke
+"""A trajectory for each draw; its times and results have the shape (draws,)."""

@@ -11,7 +11,7 @@ from bayesfric.margins.describing import effective_damping, steady_error
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metric_definitions import HUNTING, LINEAR, PEAKS, RULES, TAUT, Rule
-from bayesfric.margins.metrics import Key, Linear, spec_of
+from bayesfric.margins.metrics import Linear, closed_forms, spec_of
 from bayesfric.margins.terms import standard_error
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas.base import Interval
@@ -31,7 +31,6 @@ WRIST_NOTES = {
 
 def metric_rows(
     shaft: LoopAtShaft,
-    values: Mapping[Key, Array],
     linear: Mapping[Direction | None, Linear],
     hunting: Hunting,
     effective_draws: float,
@@ -42,8 +41,6 @@ def metric_rows(
     ----------
     shaft : LoopAtShaft
         The loop, all draws.
-    values : mapping
-        The result of :func:`closed_forms`.
     linear : mapping
         The result of :func:`linear_of`.
     hunting : Hunting
@@ -56,7 +53,7 @@ def metric_rows(
         "limit_cycle_amplitude": hunting.amplitude,
         "limit_cycle_frequency": hunting.frequency,
     }
-    rows = []
+    values, rows = closed_forms(shaft, linear), []
     for rule in RULES:
         directions = shaft.directions if rule.name in LINEAR else (None,)
         for direction in directions:
@@ -142,9 +139,7 @@ def _probability_of_violation(
     """Return the probability that a spec is missed; draws in which a side goes slack miss it."""
     if spec is None:
         return None
-    # an unknown value, NaN, counts as missed
-    below = hunting.now if rule.name == "gamma_hunting" else ~(value >= spec)
-    violated = below if rule.sense == "at least" else ~(value <= spec)
+    violated = hunting.now if rule.name == "gamma_hunting" else rule.misses(value, spec)
     return float((violated.sum() + slack) / (violated.size + slack))
 
 
@@ -245,7 +240,7 @@ def _linear_notes(
         )
     elif direction is None:
         notes.append("it spreads with the loop's own numbers: Coulomb friction has no part in it")
-    elif direction is not None:
+    else:
         notes.append(
             "in an open run friction weights the load side by 1/η or η, so c1 and c3 move it"
         )

@@ -5,6 +5,7 @@ for most of the time. The shaft then slips and sticks at gains far below those a
 rest. A gain is therefore safe only if it is safe at rest and at every speed.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -64,24 +65,24 @@ def speeds_of(shaft: LoopAtShaft) -> tuple[Condition, ...]:
     peak speed. The reference speed of the file's kick is added.
     """
     given = shaft.loop.kick.reference_range_rad_s
-    own = () if (shaft.reference_speed == 0.0).all() else (Condition(),)
-    if given is not None:
+    speeds = [REST]
+    if given is None:
+        peak = float(np.median(shaft.peak_velocity)) or np.inf
+        count = float(np.median(2 * np.pi / shaft.counts / shaft.sample_time))
+        speeds += [Condition(counts=counts) for counts in COUNTS_A_SAMPLE if counts * count <= peak]
+    elif given[1] > 0.0:
         low, high = given
-        if high == 0.0:
-            return (REST, *own)
         steps = np.geomspace(low or high / 100, high, OF_A_RANGE if high > low else 1)
-        return (REST, *(Condition(speed=float(speed)) for speed in steps), *own)
-    peak = float(np.median(shaft.peak_velocity)) or np.inf
-    count = float(np.median(2 * np.pi / shaft.counts / shaft.sample_time))
-    return (
-        REST,
-        *(
-            Condition(counts=counts_a_sample)
-            for counts_a_sample in COUNTS_A_SAMPLE
-            if counts_a_sample * count <= peak
-        ),
-        *own,
-    )
+        speeds += [Condition(speed=float(speed)) for speed in steps]
+    if (shaft.reference_speed != 0.0).any():
+        speeds.append(Condition())
+    return tuple(speeds)
+
+
+def speeds_and_kicks(shaft: LoopAtShaft, conditions: Sequence[Condition]) -> tuple[Array, Array]:
+    """Return the reference speeds and kicks of conditions, (conditions, draws) [rad/s, rad]."""
+    speeds = np.array([condition.speed_of(shaft) for condition in conditions])
+    return speeds, np.array([condition.kick_of(shaft) for condition in conditions])
 
 
 @dataclass(frozen=True)
@@ -125,9 +126,8 @@ def run(shaft: LoopAtShaft, conditions: tuple[Condition, ...], gamma: Array) -> 
     """
     loop = shaft.sampled(gamma)
     loop = loop.taken(np.tile(np.arange(loop.draws), len(conditions)))
-    speed = np.concatenate([condition.speed_of(shaft) for condition in conditions])
-    kick = np.concatenate([condition.kick_of(shaft) for condition in conditions])
-    return after_a_kick(loop, kick, speed)
+    speed, kick = speeds_and_kicks(shaft, conditions)
+    return after_a_kick(loop, kick.ravel(), speed.ravel())
 
 
 def look(

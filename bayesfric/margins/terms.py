@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from bayesfric.margins.metric_definitions import HUNTS
+from bayesfric.margins.metric_definitions import HUNTS, full_name
 from bayesfric.probabilities import stated_of_draws
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.margins import GammaProbability, LoopMargins, Metric, Tuning
@@ -13,6 +13,8 @@ HALF_A_DRAW = float(np.sqrt(0.5))
 """Monte Carlo error of a property that none or all of n draws have: this over n."""
 FEW_DRAWS = "so that they bound it"
 """Part of the sentence that says that a safe gain rests on too few draws."""
+MEASURE_IT = ": measure it."
+"""End of the sentence on the number to which a result is most sensitive."""
 NORMAL_WIDTH = 3.29
 """Distance from the 5 to the 95 % quantile of a normal, in standard deviations."""
 TURNED: Mapping[str, tuple[str, Callable[[float], float]]] = {
@@ -88,11 +90,6 @@ def is_missed(loop: LoopMargins, metric: Metric) -> bool:
     name = full_name(metric)
     own = HUNTS if metric.name == "gamma_hunting" else name
     return metric.spec is not None and bool({name, own} & {*(loop.missed_specs or ())})
-
-
-def full_name(metric: Metric) -> str:
-    """Return the name of a metric as ``missed_specs`` has it, with its direction if it has one."""
-    return " ".join(filter(None, (metric.name, metric.direction)))
 
 
 def safe_up_to(loop: LoopMargins) -> str | None:

@@ -28,6 +28,7 @@ from bayesfric.margins.scanning import (
     HuntingMap,
     look,
     run,
+    speeds_and_kicks,
     speeds_of,
 )
 
@@ -212,10 +213,11 @@ def _thresholds(
     seen = [*_seen_before(some, few, chart, hunts)]
     for _ in range(ROUNDS):
         if fresh:
+            speed, kick = speeds_and_kicks(some, fresh)
             more = hunting_threshold(
                 some.sampled(),
-                kick=np.array([condition.kick_of(some) for condition in fresh]),
-                reference_speed=np.array([condition.speed_of(some) for condition in fresh]),
+                kick=kick,
+                reference_speed=speed,
                 gammas=chart.gammas,
                 hunts_at=thresholds.gamma,
                 expected=expected,

@@ -18,7 +18,7 @@ from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.rows import interval_of
-from bayesfric.margins.scanning import REST, run
+from bayesfric.margins.scanning import REST, run, speeds_and_kicks
 from bayesfric.margins.simulating import simulate
 from bayesfric.margins.swing import LoopMotion
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
@@ -101,8 +101,7 @@ def _thresholds(some: LoopAtShaft, hunting: Hunting, places: Whole) -> tuple[Arr
     usual = int(np.bincount(decided).argmax()) if decided.size else 0
     own = np.where(own >= 0, own, usual)
     draws = np.arange(own.size)
-    speed = np.array([condition.speed_of(some) for condition in conditions])[own, draws]
-    kick = np.array([condition.kick_of(some) for condition in conditions])[own, draws]
+    speed, kick = (of_all[own, draws] for of_all in speeds_and_kicks(some, conditions))
     predicted = hunting.threshold[places]
     top = np.where(np.isfinite(predicted), predicted, GAMMA_MAX / SHARES[-1])
     wanted = run_length(some.sampled(), speed).wanted
@@ -110,8 +109,8 @@ def _thresholds(some: LoopAtShaft, hunting: Hunting, places: Whole) -> tuple[Arr
     if not tried.any():
         return np.full(own.size, np.inf), tried
     gamma = np.array(SHARES)[:, None] * top
-    hunts = _run(some, gamma, np.tile(kick, (len(SHARES), 1)), np.tile(speed, (len(SHARES), 1)),
-                 float(wanted[tried].max())).hunts.reshape(gamma.shape)  # fmt: skip
+    motion = _run(some, gamma, kick, speed, float(wanted[tried].max()))
+    hunts = motion.hunts.reshape(gamma.shape)
     first = hunts.argmax(axis=0)
     between = (gamma[first, draws] + gamma[np.maximum(first - 1, 0), draws]) / 2
     return np.where(hunts.any(axis=0), between, np.inf), tried
@@ -124,15 +123,15 @@ def _at_own_gain(some: LoopAtShaft, hunting: Hunting) -> Iterator[Held]:
     """
     wanted = {condition: run_length(some.sampled(), condition.speed_of(some)).wanted.max()
               for condition in hunting.speeds}  # fmt: skip
-    longest = MARGIN_RULES.verification_longest
-    short = tuple(condition for condition, length in wanted.items() if length <= longest)
+    most = MARGIN_RULES.verification_longest
+    short = tuple(condition for condition, length in wanted.items() if length <= most)
     if not short:
         yield _held("hunting at the file's γ", np.zeros(0, dtype=bool), None, TOO_LONG)
         return
     shape = (len(short), some.gamma.size)
     speeds = np.array([condition.speed_of(some) for condition in short])
-    slow = _run(some, np.tile(some.gamma, (shape[0], 1)), np.tile(some.kick, (shape[0], 1)),
-                 speeds, max(wanted[condition] for condition in short))  # fmt: skip
+    longest = max(wanted[condition] for condition in short)
+    slow = _run(some, some.gamma, some.kick, speeds, longest)
     quick = run(some, short, some.gamma)
     own, theirs = quick.hunts.reshape(shape), slow.hunts.reshape(shape)
     yield _held("hunting at the file's γ", own.any(axis=0) == theirs.any(axis=0), None, "")
@@ -156,8 +155,9 @@ def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
     none = np.zeros(shape)
     alone = replace(some, ki=none[0])
     wanted = run_length(alone.sampled(none[0])).wanted
-    motion = _run(alone, none, np.array(KICKS)[:, None] * some.kick, none,
-                 min(float(wanted.max()), MARGIN_RULES.verification_longest))  # fmt: skip
+    kicks = np.array(KICKS)[:, None] * some.kick
+    duration = min(float(wanted.max()), MARGIN_RULES.verification_longest)
+    motion = _run(alone, none, kicks, none, duration)
     farthest = np.abs(motion.final_error).reshape(shape).max(axis=0)
     band = steady_error(some)
     within = farthest <= band + 2 * np.pi / some.counts
@@ -177,7 +177,8 @@ def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
 
 
 def _run(some: LoopAtShaft, gamma: Array, kick: Array, speed: Array, duration: float) -> LoopMotion:
-    """Simulate all draws in several cases, each of shape (cases, draws)."""
+    """Simulate all draws in several cases; arrays are (cases, draws), or (draws,) in all cases."""
+    gamma, kick, speed = np.broadcast_arrays(gamma, kick, speed)
     rows = np.tile(np.arange(gamma.shape[1]), gamma.shape[0])
     loop = some.taken(rows).sampled(gamma.ravel())
     return simulate(

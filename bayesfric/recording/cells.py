@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from bayesfric.characters import code_of, invisible_in
+from bayesfric.characters import invisible_in
 from bayesfric.errors import Fault, InputError, near
 from bayesfric.recording.columns import (
     HOTTEST_C,
@@ -106,10 +106,9 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     notes = []
     if text.unnamed:
         notes.append(f"{text.file}: {text.unnamed} column(s) without a name kept out")
-    names = [column.name for column in table.columns]
-    absent = [name for name in names if name not in text.cells]
+    absent = [name for name in table.names if name not in text.cells]
     kept_out = []
-    for name in text.cells.columns.difference(names, sort=False):
+    for name in text.cells.columns.difference(table.names, sort=False):
         if table.keeps_covariates and name in TAKEN:
             notes.append(
                 f"{text.file}: column {name!r} kept out (results have this name: rename it)"
@@ -137,8 +136,8 @@ def _check_names(text: TextTable) -> None:
     for name in map(str, text.cells.columns):
         if len(name) > LONGEST_NAME:
             expected = f"a column name of at most {LONGEST_NAME} characters, not {len(name):,}"
-        elif (unseen := invisible_in(name)) is not None:
-            expected = f"a column name that can be seen; {code_of(unseen)[1:-1]} cannot be"
+        elif unseen := invisible_in(name):
+            expected = f"a column name that can be seen{unseen}"
         else:
             continue
         faults.append(Fault(text.file, expected, row=1, value=name))
@@ -154,8 +153,7 @@ def _by_names_of(text: TextTable, table: TableFormat) -> TextTable:
     InputError
         The table has a column under both names.
     """
-    columns = {column.name for column in table.columns}
-    others = {o: n for o, n in OTHER_NAMES.items() if o in text.cells and n in columns}
+    others = {o: n for o, n in OTHER_NAMES.items() if o in text.cells and n in table.names}
     if twice := [other for other, name in others.items() if name in text.cells]:
         raise InputError(
             [Fault(text.file, f"{OTHER_NAMES[o]} or {o}, not both", 1, o) for o in twice]
@@ -167,13 +165,10 @@ def _by_names_of(text: TextTable, table: TableFormat) -> TextTable:
 
 
 def _check_header(text: TextTable, table: TableFormat) -> None:
-    names = {column.name for column in table.columns}
+    names = set(table.names)
     written = [str(name) for name in text.cells.columns]
     needed = [column.name for column in table.columns if column.required]
-    shared = {
-        file: len(set(written) & {column.name for column in other.columns})
-        for file, other in TABLES.items()
-    }
+    shared = {file: len(set(written) & set(other.names)) for file, other in TABLES.items()}
     likest = max(shared, key=lambda file: shared[file])
     if not set(needed) <= set(written) and shared[likest] > len(names & set(written)):
         expected = f"the columns {', '.join(needed)} (is this {likest}?)"
@@ -217,8 +212,7 @@ def _checked(
     """Return the frame without the cells that break their column's rule, and their faults."""
     faults: list[Fault] = []
     slips: dict[str, list[tuple[int, Column]]] = {}
-    names = {column.name for column in table.columns}
-    written = [str(name) for name in text.cells.columns if name not in names]
+    written = [str(name) for name in text.cells.columns if name not in table.names]
     for column in table.columns:
         name = column.name
         if name not in frame:
@@ -308,8 +302,7 @@ def _why_no_name(name: str, column: Column) -> str:
     """Return the invisible character of a name, by its code, or the length of the name."""
     if len(name) > column.longest:
         return f", not {len(name):,}"
-    unseen = invisible_in(name)
-    return "" if unseen is None else f"; {code_of(unseen)[1:-1]} cannot be"
+    return invisible_in(name)
 
 
 def _obeys(values: pd.Series, column: Column) -> npt.NDArray[np.bool_]:
@@ -340,5 +333,5 @@ def _obeys(values: pd.Series, column: Column) -> npt.NDArray[np.bool_]:
 
 
 def _is_name(text: str, column: Column) -> bool:
-    fits = len(text) <= column.longest and invisible_in(text) is None
+    fits = len(text) <= column.longest and not invisible_in(text)
     return fits and not TYPOGRAPHIC.fullmatch(text)

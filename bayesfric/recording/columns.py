@@ -130,6 +130,11 @@ class TableFormat:
     keeps_covariates: bool = False
 
     @property
+    def names(self) -> list[str]:
+        """Names of the columns."""
+        return [column.name for column in self.columns]
+
+    @property
     def resource(self) -> str:
         """Resource name, such as ``gravity-trials``."""
         return self.file.removesuffix(".csv").replace("_", "-")

@@ -9,7 +9,7 @@ from bayesfric.errors import Fault, near
 from bayesfric.recording.cells import Table
 from bayesfric.recording.csv_text import LISTED, with_more, with_rest
 from bayesfric.recording.frames import did_not_move, stands_in
-from bayesfric.recording.joint_rules import faults_of_samples, joint_of_run
+from bayesfric.recording.joint_rules import faults_of_samples, joint_of_run, number_of_clock
 from bayesfric.recording.numbers import to_numbers_apart
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
 from bayesfric.recording.steady_signs import SYSTEMATIC_SHARE, pushing
@@ -55,9 +55,7 @@ def check_across(
         faults += _conventions(points)
     runs, samples = tables.get("axis_runs.csv"), tables.get("axis_samples.csv")
     if samples and samples.has("run"):
-        keys = joint_of_run(samples)
-        group = samples.frame.groupby(keys, sort=False, observed=True).ngroup()
-        faults += _not_increasing(samples, group, keys)
+        faults += _not_increasing(samples, number_of_clock(samples), joint_of_run(samples))
     faults += faults_of_samples(tables, rig)
     if runs and samples:
         faults += _unknown(samples, runs, "run") + _runs_without_samples(runs, samples)

@@ -14,8 +14,10 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array
+from bayesfric.errors import first_of
 from bayesfric.recording.cells import Table
 from bayesfric.recording.frames import stands_in
+from bayesfric.recording.spacing import decimals_of
 from bayesfric.recording.tables import Axis, Gravity, Recording
 
 SPREAD = 1e-3  # least relative difference between genuine repeats
@@ -53,52 +55,49 @@ def without_copies(
         A sentence for each table, with the ids of copies and of their originals.
     """
     notes: list[str] = []
-    if recording.gravity is not None:
-        gravity, copies = recording.gravity, _of_readings(tables, "gravity_trials.csv")
+
+    def used_once(
+        file: str, key: str, copies: Copies, *frames: pd.DataFrame
+    ) -> tuple[pd.DataFrame, ...]:
+        """Return tables without the rows of copies, which are noted."""
+        if not copies:
+            return frames
+        notes.append(_said(file, key, copies))
+        return tuple(frame[~frame[key].isin(copies)].reset_index(drop=True) for frame in frames)
+
+    if (gravity := recording.gravity) is not None:
+        file = "gravity_trials.csv"
         same, unlike = _of_trains(gravity)
-        notes += _unlike("gravity_trials.csv", "events", unlike)
-        copies |= same
-        notes += _said("gravity_trials.csv", "trial", copies)
-        trials = _counted_once(gravity.trials, "trial", copies)
-        events = _counted_once(gravity.events, "trial", copies)
+        notes += _unlike(file, "events", unlike)
+        copies = _of_readings(tables, file) | same
+        trials, events = used_once(file, "trial", copies, gravity.trials, gravity.events)
         recording = replace(recording, gravity=Gravity(trials, events))
-    if recording.motor is not None:
+    if (motor := recording.motor) is not None:
         copies = _of_readings(tables, "motor_runs.csv")
-        notes += _said("motor_runs.csv", "run", copies)
-        runs = _counted_once(recording.motor.runs, "run", copies)
-        recording = replace(recording, motor=replace(recording.motor, runs=runs))
+        (runs,) = used_once("motor_runs.csv", "run", copies, motor.runs)
+        recording = replace(recording, motor=replace(motor, runs=runs))
     if recording.steady is not None:
         copies = _of_readings(tables, "steady_friction.csv")
-        notes += _said("steady_friction.csv", "run", copies)
-        recording = replace(recording, steady=_counted_once(recording.steady, "run", copies))
-    if recording.axis is not None:
-        axis = recording.axis
+        (steady,) = used_once("steady_friction.csv", "run", copies, recording.steady)
+        recording = replace(recording, steady=steady)
+    if (axis := recording.axis) is not None:
         copies, unlike = _of_runs(axis)
         notes += _unlike("axis_runs.csv", "samples", unlike)
-        notes += _said("axis_runs.csv", "run", copies)
-        runs, samples = (_counted_once(part, "run", copies) for part in (axis.runs, axis.samples))
+        runs, samples = used_once("axis_runs.csv", "run", copies, axis.runs, axis.samples)
         recording = replace(recording, axis=Axis(runs, samples))
     return recording, tuple(notes)
 
 
-def _counted_once(rows: pd.DataFrame, key: str, copies: Copies) -> pd.DataFrame:
-    """Return the rows that are not copies."""
-    return rows[~rows[key].isin(copies)].reset_index(drop=True) if copies else rows
-
-
-def _said(file: str, what: str, copies: Copies) -> Iterator[str]:
-    if not copies:
-        return
-    shown = ", ".join(f"{copy} of {first}" for copy, first in list(copies.items())[:NAMED])
-    more = f" and {len(copies) - NAMED:,} more" if len(copies) > NAMED else ""
+def _said(file: str, what: str, copies: Copies) -> str:
+    shown = first_of([f"{copy} of {first}" for copy, first in copies.items()], NAMED)
     copy = "an exact copy" if len(copies) == 1 else "exact copies"
-    yield f"{file}: {what} {shown}{more}: {copy}, used once"
+    return f"{file}: {what} {shown}: {copy}, used once"
 
 
 def _unlike(file: str, what: str, pairs: Copies) -> Iterator[str]:
     if not pairs:
         return
-    shown = ", ".join(f"{other} and {first}" for other, first in list(pairs.items())[:NAMED])
+    shown = first_of([f"{other} and {first}" for other, first in pairs.items()], NAMED)
     yield (
         f"{file}: {shown} have the same {what} to the last digit and another condition: is one of "
         "them what was measured?"
@@ -134,9 +133,8 @@ def _digits(cells: "pd.Series[str]", values: "pd.Series[float]") -> Array:
     Repeats that differ by a standard deviation s and are written in steps of δ are equal with
     probability δ / (2 √π s).
     """
-    written = [cell.lower().partition("e") for cell in cells]
-    places = [len(m.partition(".")[2]) - int(exponent or 0) for m, _, exponent in written]
-    step = 10.0 ** -np.clip(np.array(places, dtype=np.float64), -12.0, 15.0)
+    places = np.array([decimals_of(cell) for cell in cells], dtype=np.float64)
+    step = 10.0 ** -np.clip(places, -12.0, 15.0)
     spread = 2 * np.sqrt(np.pi) * SPREAD * values.abs().to_numpy()
     agree = np.log10(np.maximum(np.nan_to_num(spread) / step, 1.0))
     return np.asarray(agree, dtype=np.float64)

@@ -139,7 +139,7 @@ def answering(position: Array, force: Array) -> Array | None:
         return None
     new = np.flatnonzero(renewed(force))
     moved = np.diff(position, prepend=position[0])
-    quick_force, quick_move = _quick(force[new]), _quick(moved[new])
+    quick_force, quick_move = np.diff(force[new], 2), np.diff(moved[new], 2)
     size = float(np.linalg.norm(quick_force) * np.linalg.norm(quick_move))
     along = float(quick_force @ quick_move)
     if size == 0 or along > -ANSWERS * size:
@@ -147,11 +147,6 @@ def answering(position: Array, force: Array) -> Array | None:
     kick = along / float(quick_move @ quick_move)
     calm = np.interp(np.arange(force.size), new, force[new] - kick * moved[new])
     return np.asarray(calm + kick * moved)
-
-
-def _quick(values: Array) -> Array:
-    """Return the second differences of readings, shape (N − 2,)."""
-    return np.asarray(np.diff(values, 2))
 
 
 def position_held_for(position: Array, force: Array) -> int:

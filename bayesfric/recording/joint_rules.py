@@ -7,7 +7,7 @@ import pandas as pd
 
 from bayesfric.errors import Fault, near
 from bayesfric.recording.cells import Table
-from bayesfric.recording.package import PACKAGE_FILE
+from bayesfric.recording.package import fault_of_key
 from bayesfric.recording.robot_file import faults_of_joints
 from bayesfric.recording.tables import RigConstants
 
@@ -17,6 +17,12 @@ SAMPLES = "axis_samples.csv"
 def joint_of_run(samples: Table) -> list[str]:
     """Return the columns that identify a clock: the run, and the joint if there are several."""
     return [name for name in ("run", "joint") if samples.has(name)]
+
+
+def number_of_clock(samples: Table) -> "pd.Series[int]":
+    """Return the number of the run and joint of each sample, shape (N,)."""
+    keys = joint_of_run(samples)
+    return samples.frame.groupby(keys, sort=False, observed=True).ngroup()
 
 
 def faults_of_samples(tables: Mapping[str, Table], rig: RigConstants) -> list[Fault]:
@@ -51,15 +57,9 @@ def _mass(rig: RigConstants) -> list[Fault]:
     if rig.mass_sd_kg is None or (rig.moving_mass_kg or 0.0) >= rig.mass_sd_kg:
         return []
     if rig.moving_mass_kg is None:
-        return [
-            Fault(PACKAGE_FILE, "this key, whose error mass_sd_kg is", None, _of("moving_mass_kg"))
-        ]
+        return [fault_of_key("rig.moving_mass_kg", "this key, whose error mass_sd_kg is")]
     expected = f"at most moving_mass_kg, {rig.moving_mass_kg:g} (is it in grams, or percent?)"
-    return [Fault(PACKAGE_FILE, expected, None, _of("mass_sd_kg"), f"{rig.mass_sd_kg:g}")]
-
-
-def _of(key: str) -> str:
-    return f"rig.{key}"
+    return [fault_of_key("rig.mass_sd_kg", expected, f"{rig.mass_sd_kg:g}")]
 
 
 def _no_force(samples: Table) -> list[Fault]:
@@ -86,7 +86,6 @@ def _backwards(samples: Table, column: str) -> list[Fault]:
     if not samples.has(column):
         return []
     clock = samples.frame[column]
-    keys: list[pd.Series] = [samples.frame[name] for name in joint_of_run(samples)]
-    before = clock.groupby(keys, sort=False, observed=True).shift()
+    before = clock.groupby(number_of_clock(samples), sort=False).shift()
     expected = f"at least the {column} before it, within a {' and '.join(joint_of_run(samples))}"
     return samples.faults_where(np.asarray(clock < before), column, expected)

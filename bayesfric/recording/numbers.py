@@ -7,7 +7,6 @@ the length of a cell, so a file with one long cell causes no delay.
 import re
 from collections.abc import Iterable
 from contextlib import suppress
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -22,25 +21,19 @@ SAMPLED, REPEATED = 10_000, 0.1
 distinct cell is read only once."""
 LONGEST_CAUSE = 100  # longest cell [characters] in which a cause is searched for
 
-
-class _Cause(NamedTuple):
-    pattern: re.Pattern[str]
-    hint: str
-
-
 COMMA = ", with a point as the decimal mark"
 THOUSANDS = ", without a separator of thousands"
 EITHER = ", with a point as the decimal mark and without a separator of thousands"
 CLOCK = " (is it a time of day, or a date? Write the seconds since the first row)"
 
 _CAUSES = (
-    _Cause(re.compile(rf"[+-]?\d{{1,3}}([{_BLANK}'’]\d{{3}})+([.,]\d*)?", re.ASCII), THOUSANDS),
-    _Cause(re.compile(r"[+-]?\d{1,3}(,\d{3})+\.\d*|[+-]?\d{1,3}(,\d{3}){2,}", re.ASCII), THOUSANDS),
-    _Cause(re.compile(r"[+-]?[1-9]\d{0,2},\d{3}", re.ASCII), EITHER),
-    _Cause(re.compile(r"[+-]?(\d*|\d{1,3}(\.\d{3})+),\d+([eE][+-]?\d+)?", re.ASCII), COMMA),
-    _Cause(re.compile(".*\N{MINUS SIGN}.*"), ", with a hyphen as the minus sign"),
-    _Cause(re.compile("true|false", re.I), " (a spreadsheet's TRUE or FALSE is no number)"),
-    _Cause(
+    (re.compile(rf"[+-]?\d{{1,3}}([{_BLANK}'’]\d{{3}})+([.,]\d*)?", re.ASCII), THOUSANDS),
+    (re.compile(r"[+-]?\d{1,3}(,\d{3})+\.\d*|[+-]?\d{1,3}(,\d{3}){2,}", re.ASCII), THOUSANDS),
+    (re.compile(r"[+-]?[1-9]\d{0,2},\d{3}", re.ASCII), EITHER),
+    (re.compile(r"[+-]?(\d*|\d{1,3}(\.\d{3})+),\d+([eE][+-]?\d+)?", re.ASCII), COMMA),
+    (re.compile(".*\N{MINUS SIGN}.*"), ", with a hyphen as the minus sign"),
+    (re.compile("true|false", re.I), " (a spreadsheet's TRUE or FALSE is no number)"),
+    (
         re.compile(
             r"(\d{4}-?\d\d-?\d\d[T ])?\d{1,2}:\d\d(:\d\d([.,]\d*)?)? ?(Z|[AP]M|[+-]\d\d(:?\d\d)?)?"
             r"|\d{4}-\d\d-\d\dT\d.*",
@@ -48,7 +41,7 @@ _CAUSES = (
         ),
         CLOCK,
     ),
-    _Cause(
+    (
         re.compile(
             r"\d{1,4}([-/.])\d{1,2}\1\d{1,4}.*"
             r"|.*\b(jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec)[a-z]*\b.*",
@@ -56,11 +49,12 @@ _CAUSES = (
         ),
         " (has a spreadsheet made a date of it?)",
     ),
-    _Cause(
+    (
         re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?[ \t]*[a-zA-Zµμ°%·/²³]+"),
         ", without its unit, which stands in the column's name",
     ),
 )
+"""Common mistakes, and what is said of a cell that matches; the first that does counts."""
 
 
 def is_decimal(cell: str) -> bool:

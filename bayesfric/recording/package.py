@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from bayesfric.characters import code_of, invisible_in
+from bayesfric.characters import invisible_in
 from bayesfric.errors import Fault, near
 from bayesfric.recording.columns import LARGEST, LARGEST_INTEGER, LONGEST_NAME
 from bayesfric.recording.csv_text import LISTED, with_rest
@@ -113,8 +113,8 @@ def _seen(name: str) -> str:
 
 
 def _legible(name: str) -> str:
-    if (unseen := invisible_in(name)) is not None:
-        raise ValueError(f"text that can be seen; {code_of(unseen)[1:-1]} cannot be")
+    if unseen := invisible_in(name):
+        raise ValueError(f"text that can be seen{unseen}")
     return name
 
 
@@ -246,6 +246,11 @@ class Package:
     notes: tuple[str, ...]
 
 
+def fault_of_key(key: str, expected: str, value: str | None = None) -> Fault:
+    """Return a fault of ``datapackage.json`` at a dotted key."""
+    return Fault(PACKAGE_FILE, expected, column=key, value=value)
+
+
 def parse_package(data: bytes) -> Package:
     """Read the bytes of ``datapackage.json``.
 
@@ -258,7 +263,7 @@ def parse_package(data: bytes) -> Package:
     header = _checked(_Header, content, (), faults)
     raw_rig = content.get("rig", {})
     if not isinstance(raw_rig, dict):
-        faults.append(Fault(PACKAGE_FILE, "an object", column="rig", value=shown(raw_rig)))
+        faults.append(fault_of_key("rig", "an object", shown(raw_rig)))
         raw_rig = {}
     rig = _rig(_checked(_Rig, raw_rig, ("rig",), faults))
     unknown = [key for key in content if key not in OWN] + _unknown_rig_keys(raw_rig)
@@ -309,8 +314,8 @@ def _checked(
         rule = EXPECTED.get(problem["type"])
         expected = rule.format_map(problem.get("ctx", {})) if rule else problem["msg"]
         value = None if problem["type"] == "missing" else shown(problem["input"])
-        column = dotted((*place, *(part for part in problem["loc"] if part != "[key]")))
-        faults.append(Fault(PACKAGE_FILE, expected, column=column, value=value))
+        key = dotted((*place, *(part for part in problem["loc"] if part != "[key]")))
+        faults.append(fault_of_key(key, expected, value))
     wrong = {problem["loc"][0] for problem in errors if problem["loc"]}
     if not wrong or not isinstance(raw, dict):
         return {}
@@ -333,8 +338,7 @@ def _resources(content: dict[str, Any], faults: list[Fault]) -> tuple[Resource, 
     raw = content.get("resources")
     if not isinstance(raw, list):
         value = shown(raw) if "resources" in content else None
-        expected = "a list of the recording's tables"
-        faults.append(Fault(PACKAGE_FILE, expected, column="resources", value=value))
+        faults.append(fault_of_key("resources", "a list of the recording's tables", value))
         return ()
     resources: list[Resource] = []
     names: set[str] = set()
@@ -347,8 +351,8 @@ def _resources(content: dict[str, Any], faults: list[Fault]) -> tuple[Resource, 
             sound = "path" in keys
             resources.append(Resource(shown(name), shown(path), dotted(place), sound))
             if "name" in keys and name in names:
-                column, expected = dotted((*place, "name")), "a name that no other resource has"
-                faults.append(Fault(PACKAGE_FILE, expected, column=column, value=shown(name)))
+                key, expected = dotted((*place, "name")), "a name that no other resource has"
+                faults.append(fault_of_key(key, expected, shown(name)))
             names.add(shown(name))
     return tuple(resources)
 

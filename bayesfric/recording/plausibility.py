@@ -17,7 +17,7 @@ from bayesfric.recording.energy import (
     pushes_a_cable,
     tears_a_cable,
 )
-from bayesfric.recording.joint_rules import joint_of_run
+from bayesfric.recording.joint_rules import number_of_clock
 from bayesfric.recording.tables import RigConstants
 
 COARSEST_S = 1.0  # largest sample interval: a longer one hides the motion in between
@@ -217,14 +217,8 @@ def axis_in_other_units(samples: Table, rig: RigConstants) -> list[Fault]:
     return _coarse(samples) + ([] if rig.rotary else _far(samples, rig))
 
 
-def _of_one_joint(samples: Table) -> pd.Series:
-    """Return the number of the run and joint of each sample."""
-    keys = joint_of_run(samples)
-    return samples.frame.groupby(keys, sort=False, observed=True).ngroup()
-
-
 def _coarse(samples: Table) -> list[Fault]:
-    group = _of_one_joint(samples)
+    group = number_of_clock(samples)
     interval = samples.frame["time_s"].groupby(group).diff().groupby(group).transform("median")
     rows = np.flatnonzero(interval >= COARSEST_S)
     if not rows.size:
@@ -238,7 +232,7 @@ def _coarse(samples: Table) -> list[Fault]:
 
 
 def _far(samples: Table, rig: RigConstants) -> list[Fault]:
-    groups = samples.frame["position_m"].groupby(_of_one_joint(samples))
+    groups = samples.frame["position_m"].groupby(number_of_clock(samples))
     travel = groups.transform("max") - groups.transform("min")
     most = max(FARTHEST_M, float(rig.limits.get("travel_m", [0.0, 0.0])[1]))
     rows = np.flatnonzero(travel > most)

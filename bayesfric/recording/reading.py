@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from bayesfric.recording.copies import without_copies
 from bayesfric.recording.csv_text import parse_csv
 from bayesfric.recording.digest import tables_sha256
 from bayesfric.recording.frames import no_events, sorted_events, typed, with_setup
-from bayesfric.recording.package import PACKAGE_FILE, Package, Resource, parse_package
+from bayesfric.recording.package import PACKAGE_FILE, Package, Resource, fault_of_key, parse_package
 from bayesfric.recording.plausibility import implausible
 from bayesfric.recording.robot_file import faults_of_model, files_of_model
 from bayesfric.recording.steady_signs import notes_on_signs
@@ -63,9 +64,6 @@ def read_recording(path: str | PathLike[str]) -> Recording:
     """
     folder = Path(path)
 
-    def load(name: str) -> bytes:
-        return _read_inside(folder, name)
-
     try:
         is_folder, is_file = folder.is_dir(), folder.is_file()
         in_folder = [file for file in TABLES if (folder / file).exists()]
@@ -75,7 +73,7 @@ def read_recording(path: str | PathLike[str]) -> Recording:
         expected = f"a folder that holds {PACKAGE_FILE}"
         expected += " (this is a file: is its folder meant?)" if is_file else ""
         raise InputError([Fault(str(folder), expected)])
-    return assemble(load, in_folder)
+    return assemble(partial(_read_inside, folder), in_folder)
 
 
 def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
@@ -179,15 +177,13 @@ def _known_tables(package: Package, faults: list[Fault], notes: list[str]) -> di
         base = resource.path.rpartition("/")[2]
         file = base if base in TABLES else by_name.get(resource.name)
         if file is None and base.lower() in TABLES:
-            column = f"{resource.place}.path"
             expected = f"{base.lower()}, in lower case, here and as the file's name"
-            faults.append(Fault(PACKAGE_FILE, expected, column=column, value=resource.path))
+            faults.append(fault_of_key(f"{resource.place}.path", expected, resource.path))
         elif file is None:
             notes.append(f"{PACKAGE_FILE}: resource {resource.name!r} is no known table, not read")
         elif file in listed:
-            column = f"{resource.place}.path"
             expected = f"no second resource for {file}"
-            faults.append(Fault(PACKAGE_FILE, expected, column=column, value=resource.path))
+            faults.append(fault_of_key(f"{resource.place}.path", expected, resource.path))
         else:
             listed[file] = resource
     return {file: listed[file] for file in TABLES if file in listed}
@@ -197,8 +193,7 @@ def _missing_parts(package: Package, listed: dict[str, Resource]) -> list[Fault]
     faults = []
     resources_at_fault = any("resources" in (fault.column or "") for fault in package.faults)
     if not listed and not resources_at_fault:
-        expected = f"at least one of {', '.join(TABLES)}"
-        faults.append(Fault(PACKAGE_FILE, expected, column="resources"))
+        faults.append(fault_of_key("resources", f"at least one of {', '.join(TABLES)}"))
     for file in listed:
         needed = NEEDS.get(file)
         if needed and needed not in listed:
@@ -206,7 +201,7 @@ def _missing_parts(package: Package, listed: dict[str, Resource]) -> list[Fault]
         for key in RIG_KEYS_NEEDED.get(file, ()):
             if key not in package.rig_keys:
                 expected = f"this key, because of {file}{near(key, package.rig_keys)}"
-                faults.append(Fault(PACKAGE_FILE, expected, column=f"rig.{key}"))
+                faults.append(fault_of_key(f"rig.{key}", expected))
     return faults + _lacking_gravity(package, listed)
 
 
@@ -218,12 +213,7 @@ def _lacking_gravity(package: Package, listed: Collection[str]) -> list[Fault]:
     if package.rig.payload_arm_m is not None:
         weighed.append("rig.payload_arm_m")
     return [
-        Fault(
-            PACKAGE_FILE,
-            f"a number above 0, because of {what}",
-            column="rig.gravity_m_s2",
-            value="0",
-        )
+        fault_of_key("rig.gravity_m_s2", f"a number above 0, because of {what}", "0")
         for what in weighed
     ]
 

@@ -2,12 +2,12 @@
 
 import posixpath
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-from bayesfric.errors import Fault, InputError, near
+from bayesfric.errors import Fault, InputError, first_of, near
+from bayesfric.files import xml_root
 from bayesfric.link_shapes import weightless_shapes
-from bayesfric.recording.package import PACKAGE_FILE
+from bayesfric.recording.package import fault_of_key
 from bayesfric.recording.tables import Robot
 
 LARGEST_MODEL = 16 * 1024**2  # bytes; the model of an arm, without meshes, has a few kilobytes
@@ -57,11 +57,9 @@ def _keep(files: dict[str, bytes], name: str, content: bytes, model: str) -> Non
 
 def _parsed(content: bytes) -> Element | None:
     """Return the root element; None if the file is faulty, which is reported elsewhere."""
-    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:  # an entity may be endless
-        return None
     try:
-        return ElementTree.fromstring(content)
-    except (ElementTree.ParseError, ValueError, LookupError):
+        return xml_root(content, "")
+    except InputError:
         return None
 
 
@@ -94,12 +92,10 @@ def faults_of_model(robot: Robot) -> list[Fault]:
     if len(content) > LARGEST_MODEL:
         expected = f"a model of at most {LARGEST_MODEL:,} bytes"
         return [Fault(file, expected, value=f"{len(content):,} bytes")]
-    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:  # an entity may be endless
-        return [Fault(file, "a model without a document type or entities of its own")]
     try:
-        root = ElementTree.fromstring(content)
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        return [Fault(file, f"XML that parses ({error})")]
+        root = xml_root(content, file)
+    except InputError as error:
+        return list(error.faults)
     if root.tag not in ("robot", "mujoco"):
         expected = "URDF, whose first element is robot, or MJCF, whose first is mujoco"
         return [Fault(file, expected, row=1, value=root.tag)]
@@ -125,13 +121,12 @@ def _joints(robot: Robot, root: Element) -> list[Element]:
 
 
 def _unknown(joints: Mapping[str, str], names: Collection[str], file: str) -> list[Fault]:
-    listed = ", ".join(list(names)[:NAMED]) + (", …" if len(names) > NAMED else "")
+    listed = first_of(names, NAMED) or "it has none"
     return [
-        Fault(
-            PACKAGE_FILE,
-            f"a joint of {file} ({listed or 'it has none'}){near(name, names)}",
-            column=f"rig.robot.joints.{joint}",
-            value=name,
+        fault_of_key(
+            f"rig.robot.joints.{joint}",
+            f"a joint of {file} ({listed}){near(name, names)}",
+            name,
         )
         for joint, name in joints.items()
         if name not in names
@@ -153,13 +148,9 @@ def faults_of_joints(robot: Robot, joints: Collection[str] | None) -> list[Fault
         if len(robot.joints) == 1:
             return []
         expected = "one joint, since axis_samples.csv has no column joint"
-        return [Fault(PACKAGE_FILE, expected, column=column, value=", ".join(robot.joints))]
+        return [fault_of_key(column, expected, ", ".join(robot.joints))]
     return [
-        Fault(
-            PACKAGE_FILE,
-            "this joint's name in the model",
-            column=f"{column}.{joint}",
-        )
+        fault_of_key(f"{column}.{joint}", "this joint's name in the model")
         for joint in joints
         if joint not in robot.joints
     ]

@@ -21,12 +21,12 @@ def printed_tolerance(cells: pd.Series, spacing_m: float) -> float:
     1 µm, or half a unit of the last printed digit if that is more. It is never so large that
     the multiple becomes ambiguous.
     """
-    digits = max(_decimals(cell) for cell in cells.unique())
+    digits = max(decimals_of(cell) for cell in cells.unique())
     half_unit = 0.51 * 10.0 ** -min(max(digits, 0), 300)
     return min(max(DISPLACEMENT_TOLERANCE_M, half_unit), spacing_m / 4)
 
 
-def _decimals(cell: str) -> int:
+def decimals_of(cell: str) -> int:
     """Return the decimal places of a printed number; 0 for anything else."""
     digits, _, exponent = cell.lower().partition("e")
     shift = exponent.removeprefix("+").removeprefix("-")

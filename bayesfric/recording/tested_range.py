@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+from bayesfric.errors import first_of
 from bayesfric.recording.tables import Gravity, Recording
 
 SPEED_M_S = 1.3
@@ -46,18 +47,12 @@ def notes_on_range(recording: Recording) -> tuple[str, ...]:
 
 def _notes(table: pd.DataFrame, key: str) -> Iterator[str]:
     passed = [
-        f"{what} ({key} {_folded(table.loc[outside, key])})"
+        f"{what} ({key} {first_of(table.loc[outside, key].tolist(), NAMED)})"
         for what, outside in _outside(table)
         if outside.any()
     ]
     if passed:
         yield f"outside the paper's Table II: {'; '.join(passed)}"
-
-
-def _folded(ids: "pd.Series[str]") -> str:
-    """Return the first ids, and the number of others."""
-    more = len(ids) - NAMED
-    return ", ".join(ids[:NAMED]) + (f" and {more:,} more" if more > 0 else "")
 
 
 def _outside(table: pd.DataFrame) -> Iterator[tuple[str, "pd.Series[bool]"]]:

@@ -7,7 +7,6 @@ import shutil
 import uuid
 from collections.abc import Iterable
 from dataclasses import fields
-from decimal import Decimal
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from bayesfric.errors import Fault, InputError, writable
 from bayesfric.recording.columns import TABLES, TableFormat
 from bayesfric.recording.package import PACKAGE_FILE
 from bayesfric.recording.reading import assemble
+from bayesfric.recording.spacing import decimals_of
 from bayesfric.recording.tables import Recording, RigConstants
 
 # For kinds 3 and 4 on a rotary rig.
@@ -106,7 +106,7 @@ def _contents(recording: Recording) -> dict[str, bytes]:
 
 
 def _in_order(frame: pd.DataFrame, table: TableFormat) -> pd.DataFrame:
-    names = [column.name for column in table.columns if column.name in frame]
+    names = [name for name in table.names if name in frame]
     others = [str(name) for name in frame.columns if name not in names]
     if others and not table.keeps_covariates:
         raise ValueError(f"{table.file} has no column {', '.join(others)}")
@@ -134,8 +134,7 @@ def _fixed(values: npt.NDArray[np.float64], decimals: int) -> list[str]:
 
 def _decimals(value: float) -> int:
     """Return the decimal places of the shortest decimal that equals this float."""
-    exponent = Decimal(repr(float(value))).normalize().as_tuple().exponent
-    return max(0, -int(exponent))
+    return max(0, decimals_of(repr(value).removesuffix(".0")))
 
 
 def _csv(frame: pd.DataFrame) -> bytes:

@@ -14,7 +14,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from bayesfric.errors import Fault, InputError, needs_extra, one_of
-from bayesfric.files import file_bytes
+from bayesfric.files import file_bytes, xml_root
 from bayesfric.robots.simplifying import drop_for_others, simplify_mjcf, simplify_urdf
 
 LARGEST_FILE = 4_194_304  # bytes of the model, and of each file that it includes
@@ -177,12 +177,7 @@ def _inside(folder: Path, model: str, name: str) -> Path:
 
 def _parsed(folder: Path, model: str, name: str) -> ET.Element:
     data = file_bytes(_inside(folder, model, name), name, LARGEST_FILE)
-    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-        raise InputError([Fault(name, "XML without entities (<!DOCTYPE … >)")])
-    try:
-        root = ET.fromstring(data)
-    except (ET.ParseError, ValueError, LookupError) as error:  # LookupError: an unknown encoding
-        raise InputError([Fault(name, f"XML that parses ({error})")]) from error
+    root = xml_root(data, name)
     drop_for_others(root)
     for element in root.iter():
         if element.tag in REFUSED:

@@ -5,7 +5,7 @@ from typing import get_args
 import pytest
 import typer
 
-from bayesfric.cli.exits import FAILURES, check_fail_on, fail_on, failures_of
+from bayesfric.cli.exits import FAILURES, VERDICT_FAILURES, check_fail_on, fail_on
 from bayesfric.diagnosis.verdict import Verdict
 from bayesfric.errors import InputError
 
@@ -21,11 +21,12 @@ from bayesfric.errors import InputError
     ],
 )
 def test_a_verdict_is_a_failure_or_none(verdict, failures):
-    assert failures_of(verdict) == failures
+    assert VERDICT_FAILURES[verdict] == failures
 
 
 def test_every_verdict_is_known_to_it():
-    assert set().union(*map(failures_of, get_args(Verdict))) <= set(FAILURES)
+    assert set(VERDICT_FAILURES) == set(get_args(Verdict))
+    assert set().union(*VERDICT_FAILURES.values()) <= set(FAILURES)
 
 
 def test_all_that_happened_is_told_and_nothing_that_was_not_asked_for(capsys):

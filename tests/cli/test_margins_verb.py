@@ -11,8 +11,10 @@ from scipy.io import loadmat
 from typer.testing import CliRunner
 
 from bayesfric.cli import app
+from bayesfric.cli.margins import _answer
 from bayesfric.errors import InputError
 from bayesfric.margins import read_loop
+from bayesfric.margins.answer import what_to_measure
 from bayesfric.resources import loop_template
 from bayesfric.results import json_bytes, read_json
 from bayesfric.schemas import MarginsFile, TimingsFile
@@ -159,7 +161,7 @@ def test_fail_on_spec(folder, tmp_path, metres, status):
 def test_fail_on_spec_of_a_run(folder, tmp_path, monkeypatch, metres, status):
     """The verbs before the margins stand still: they have tests of their own."""
 
-    def fitted(recording, output, analysis, **options):
+    def fitted(recording, output, asked, **options):
         write_draws(output / "draws.nc", n=200)
         (output / "timings.json").write_bytes(json_bytes(TimingsFile(seconds={})))
         return set()
@@ -219,3 +221,12 @@ def test_what_is_missing_is_said(folder, tmp_path, arguments, said):
     assert done.exit_code == 2
     assert said in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_the_terminal_keeps_what_to_measure_first():
+    """Of the sentences of an answer, which the terminal shortens."""
+    (sentence,) = what_to_measure({"gamma_necessary": {"drive.friction_n_m": 0.9}})
+    assert sentence.endswith("90% of the variance of friction: measure it.")
+    assert _answer(f"Meets its spec. Much more. {sentence}", verbose=False) == (
+        f"Meets its spec. {sentence}"
+    )

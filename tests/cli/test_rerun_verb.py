@@ -75,8 +75,9 @@ def test_margins_are_repeated_with_what_they_were_asked_for(with_margins, tmp_pa
     """The loop by its contents, the options by what the stored file shows."""
     asked = {}
 
-    def kept(loops, draws, output, analysis, **options):
-        asked.update(options, loops=loops, draws=draws, seed=analysis.seed)
+    def kept(loops, draws, output, of_call, **options):
+        seed, quiet = of_call.analysis.seed, of_call.quiet
+        asked.update(options, loops=loops, draws=draws, seed=seed, quiet=quiet)
 
     monkeypatch.setattr("bayesfric.cli.rerun.margins_into", kept)
     done = bayesfric("rerun", with_margins, "-o", tmp_path / "b")

@@ -119,4 +119,4 @@ def test_what_to_measure_first_is_said_where_one_number_decides(tmp_path):
     assumed = f"The assumed drive.friction_n_m contributes {share:.0%} of the variance"
     assert f"{assumed} of friction" in (summary.answer)
     (summary,) = compute_margins([loop()], draws).summary.loops
-    assert "measure that" not in summary.answer
+    assert "measure it" not in summary.answer

@@ -110,9 +110,9 @@ def test_numbers_of_the_second_stage_are_drawn_and_its_pulleys_are_looked_up():
     assert given.uncertain == ("second_stage.shaft_inertia_kg_m2",)
     spread = np.log(at_shaft(file, given).shaft_inertia).std()
     assert spread == pytest.approx(0.3, rel=0.15)
-    near, far = (factors.std() for factors in given.factor)
+    near, far = (factors.std() for factors in given.factor.values())
     assert (near, far) == pytest.approx((0.05, 0.05), rel=0.15)
-    assert abs(np.corrcoef(given.factor)[0, 1]) < 0.15
+    assert abs(np.corrcoef([*given.factor.values()])[0, 1]) < 0.15
     tested = {"medium": {"tension_n": (4.0, 15.0)}}
     warnings = beyond_the_draws(at_shaft(file, given), given, replace(draws, tested=tested))
     assert any("run 1 of the second stage" in warning for warning in warnings)

@@ -3,12 +3,21 @@
 import csv
 import re
 from collections.abc import Collection, Iterator
+from math import isinf
 from pathlib import Path
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.files import file_bytes
 from bayesfric.logs.mapping import CsvForm
-from bayesfric.logs.table import BLANK, LARGEST_FILE, MOST_CELLS, Log, check_cells, damaged_is_told
+from bayesfric.logs.table import (
+    BLANK,
+    LARGEST_FILE,
+    MOST_CELLS,
+    Log,
+    check_cells,
+    damaged_is_told,
+    number_of,
+)
 
 SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";", "space": " "}
 OTHERS = (";", "\t", "|", ",")
@@ -99,7 +108,7 @@ def _names(file: str, head: list[str], form: CsvForm) -> list[str]:
 
 def _check_header(file: str, names: list[str], form: CsvForm) -> None:
     row = form.preamble + 1
-    if all(_is_number(name) for name in names):
+    if not any(isinf(number_of(name)) for name in names):
         expected = "names of columns; is header = false of [csv] meant?"
         raise InputError([Fault(file, expected, row, value=",".join(names))])
     if len(names) == 1:
@@ -119,14 +128,6 @@ def _apart(names: list[str]) -> list[str]:
         used[name] = used.get(name, -1) + 1
         apart.append(f"{name}.{used[name]}" if used[name] else name)
     return apart
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _columns(

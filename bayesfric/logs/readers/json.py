@@ -8,7 +8,7 @@ import numpy as np
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.readers.csv import decoded, lines_of
-from bayesfric.logs.table import Cells, Log, check_cells, columns_of_array, damaged_is_told
+from bayesfric.logs.table import Cells, Log, check_cells, columns_of_array, damaged_is_told, leaves
 
 DEEPEST = 8  # levels of records in a record
 FORMS = "a list of records, a record of lists of one length, or a record a line"
@@ -83,7 +83,7 @@ def _of_records(name: str, records: list[Any]) -> Log:
 def _of_lists(name: str, whole: dict[str, Any]) -> Log:
     columns: dict[str, Cells] = {}
     notes = []
-    for key, value in _leaves(whole).items():
+    for key, value in leaves(whole, DEEPEST).items():
         if not isinstance(value, list) or not value:
             continue
         if all(isinstance(cell, list) for cell in value):
@@ -110,21 +110,10 @@ def _of_matrix(key: str, rows: list[list[Any]]) -> tuple[dict[str, Cells], str |
     return {name: list(map(str, cells)) for name, cells in parts.items()}, note
 
 
-def _leaves(record: dict[str, Any], before: str = "", depth: int = 0) -> dict[str, Any]:
-    """Return what a record has, with dotted names for what is nested."""
-    leaves: dict[str, Any] = {}
-    for key, value in record.items():
-        if isinstance(value, dict) and depth < DEEPEST:
-            leaves |= _leaves(value, f"{before}{key}.", depth + 1)
-        else:
-            leaves[before + key] = value
-    return leaves
-
-
 def _flat(record: dict[str, Any]) -> dict[str, str | None]:
     """Return the cells of a record: those of a list get its name and their place from 0."""
     cells: dict[str, str | None] = {}
-    for key, value in _leaves(record).items():
+    for key, value in leaves(record, DEEPEST).items():
         if isinstance(value, list):
             cells |= {f"{key}[{place}]": _text(cell) for place, cell in enumerate(value)}
         else:

@@ -7,7 +7,14 @@ from typing import Any, Literal
 import numpy as np
 
 from bayesfric.errors import Fault, InputError, needs_extra
-from bayesfric.logs.table import LARGEST_FILE, Log, check_cells, damaged_is_told, log_of_arrays
+from bayesfric.logs.table import (
+    LARGEST_FILE,
+    Log,
+    check_cells,
+    damaged_is_told,
+    leaves,
+    log_of_arrays,
+)
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 HDF5_PLACES = (0, 512)  # MATLAB puts a block of text before it
@@ -46,26 +53,14 @@ def _of_version_5(path: Path) -> dict[str, Any]:
         check_cells(path.name, int(np.prod([float(length) for length in shape])))
         if kind in NUMERIC and (kind != "struct" or np.prod(shape) == 1):
             names.append(name)
-    variables = loadmat(str(path), variable_names=names, squeeze_me=False)
-    arrays: dict[str, Any] = {}
-    for name in names:
-        arrays |= _of_struct(name, variables[name], 0)
-    return arrays
-
-
-def _of_struct(name: str, array: Any, depth: int) -> dict[str, Any]:
-    """Return the arrays of numbers in a struct, or the array itself."""
-    if not isinstance(array, np.ndarray):
-        return {}
-    fields = array.dtype.names
-    if fields is None:
-        return {name: array} if array.dtype.kind in "fiub" else {}
-    arrays: dict[str, Any] = {}
-    if array.size == 1 and depth < DEEPEST:
-        record = array.ravel()[0]
-        for field in fields:
-            arrays |= _of_struct(f"{name}.{field}", record[field], depth + 1)
-    return arrays
+    variables = loadmat(str(path), variable_names=names, simplify_cells=True)
+    values = leaves({name: variables[name] for name in names}, DEEPEST)
+    arrays = {
+        name: np.atleast_1d(value)
+        for name, value in values.items()
+        if np.isscalar(value) or isinstance(value, np.ndarray)
+    }
+    return {name: array for name, array in arrays.items() if array.dtype.kind in "fiub"}
 
 
 def _check_unpacked(path: Path) -> None:

@@ -1,7 +1,9 @@
 """NumPy's archives, without pickles; sizes are checked before anything is unpacked."""
 
 import io
+import math
 import zipfile
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import IO, Any
 
@@ -23,24 +25,20 @@ def read(path: Path) -> Log:
     InputError
         It is damaged, too large when it is unpacked, or has arrays of Python objects alone.
     """
-    arrays: dict[str, npt.NDArray[Any]] = {}
-    left_out: list[str] = []
     with damaged_is_told(path, "a NumPy archive"):
-        if path.suffix.lower() == ".npy":
-            content = path.read_bytes()
-            arrays["array"] = _array(path.name, io.BytesIO(content), len(content))
-        else:
-            with zipfile.ZipFile(path) as archive:
-                _check_members(path.name, archive)
-                for member in archive.infolist():
-                    name = member.filename.removesuffix(".npy")
-                    with archive.open(member) as stream:
-                        if _is_object(stream):
-                            left_out.append(name)
-                            continue
-                    with archive.open(member) as stream:
-                        arrays[name] = _array(path.name, stream, member.file_size)
-        return _log(path.name, arrays, left_out)
+        arrays = {name: _array(path.name, data) for name, data in _members(path)}
+        return _log(path.name, arrays)
+
+
+def _members(path: Path) -> Iterator[tuple[str, bytes]]:
+    """Yield the name and the content of each array."""
+    if path.suffix.lower() == ".npy":
+        yield "array", path.read_bytes()
+        return
+    with zipfile.ZipFile(path) as archive:
+        _check_members(path.name, archive)
+        for name in archive.namelist():
+            yield name.removesuffix(".npy"), archive.read(name)
 
 
 def _check_members(name: str, archive: zipfile.ZipFile) -> None:
@@ -64,22 +62,15 @@ def _header(stream: IO[bytes]) -> tuple[tuple[int, ...], np.dtype[Any]]:
     return shape, dtype
 
 
-def _is_object(stream: IO[bytes]) -> bool:
-    return bool(_header(stream)[1].hasobject)
-
-
-def _array(name: str, stream: IO[bytes], size: int) -> npt.NDArray[Any]:
-    """Return an array whose header says no more than the file has."""
-    content = io.BytesIO(stream.read(size))
+def _array(name: str, data: bytes) -> npt.NDArray[Any] | None:
+    """Return an array whose header says no more than the file has; None for Python objects."""
+    content = io.BytesIO(data)
     shape, dtype = _header(content)
     if dtype.hasobject:
-        expected = "arrays of numbers; one of Python objects is never unpickled"
-        raise InputError([Fault(name, expected)])
-    cells = 1
-    for length in shape:
-        cells *= length
+        return None
+    cells = math.prod(shape)
     check_cells(name, cells)
-    there = size - content.tell()
+    there = len(data) - content.tell()
     if min(shape, default=1) < 0 or cells * dtype.itemsize != there:
         expected = f"{there:,} bytes of numbers, as the file has"
         raise InputError([Fault(name, expected, value=f"{shape} of {dtype}")])
@@ -87,12 +78,14 @@ def _array(name: str, stream: IO[bytes], size: int) -> npt.NDArray[Any]:
     return np.lib.format.read_array(content, allow_pickle=False, max_header_size=LONGEST_HEADER)
 
 
-def _log(name: str, arrays: dict[str, npt.NDArray[Any]], left_out: list[str]) -> Log:
+def _log(name: str, arrays: Mapping[str, npt.NDArray[Any] | None]) -> Log:
     parts = {
         f"{key}.{field}" if field else key: array[field] if field else array
         for key, array in arrays.items()
+        if array is not None
         for field in array.dtype.names or ("",)
     }
+    left_out = ", ".join(key for key, array in arrays.items() if array is None)
+    notes = [f"Arrays of Python objects are never unpickled: {left_out}."] if left_out else []
     expected = "arrays of numbers along time; Python objects are never unpickled"
-    note = f"Arrays of Python objects are never unpickled: {', '.join(left_out)}."
-    return log_of_arrays(name, parts, expected, *((note,) if left_out else ()))
+    return log_of_arrays(name, parts, expected, *notes)

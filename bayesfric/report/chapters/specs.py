@@ -4,10 +4,9 @@ import re
 from collections.abc import Iterator, Sequence
 
 from bayesfric.margins.margin_rules import MARGIN_RULES
-from bayesfric.margins.metric_definitions import LINEAR
+from bayesfric.margins.metric_definitions import LINEAR, full_name
 from bayesfric.margins.terms import (
     chance_of_missing,
-    full_name,
     in_degrees_or_decibels,
     is_missed,
     safe_up_to,
