@@ -246,6 +246,31 @@ def _weigh_beside_best(model: LinearModel, result: Search, steps: Steps) -> None
         how = {"shapes": _shapes_of(best), "forms": FORM_SHARES}
         result.weighed[more] = steps.weigh_in(model, result, more.names, [best.at.psi], **how)
     _weigh_parts(model, result, steps, FORM_SHARES)
+    _weigh_exchanged(model, result, steps)
+
+
+def _weigh_exchanged(model: LinearModel, result: Search, steps: Steps) -> None:
+    """Evaluate the best with one of its effects exchanged for another.
+
+    The first look at a pair is taken at the noise of one of its effects. It may be hundreds of nats
+    too low, and more so for one of two effects that explain the same force.
+    """
+    best = result.best()
+    effects = sorted(members[0] for members in result.classes.members)
+    how = {"shapes": _shapes_of(best), "forms": FORM_SHARES}
+    for name in best.names:
+        part = result.weighed.get(Hypothesis(best.hypothesis - {name}))
+        if part is None or not part.names:  # effects alone were all evaluated
+            continue
+        alike = part.at.psi.size == best.at.psi.size
+        psi = best.at.psi if alike else part.at.psi
+        joining = [other for other in _that_may_act(part, effects, result.classes) if other != name]
+        rough = _extended(model, part, joining, psi, {}, forms=best.forms)
+        least = result.worth(best) - RULES.weighed_within
+        for rival, first_look in rough.items():
+            if rival not in result.weighed and first_look + result.log_prior(rival) > least:
+                weighed = steps.weigh_in(model, result, rival.names, [psi], **how)
+                result.weighed[rival] = weighed
 
 
 def _with_unknown_force(
