@@ -136,7 +136,7 @@ def conclude(
     model, practical = compared.model, question.practical
     gap_share = float(np.median(judged.posterior.gap)) / judged.residuals.friction_rms
     remainder = remainder_of(model, judged.search, judged.search.best(), gap_share, measured.left)
-    objections = _objections_to(question, compared, judged, measured.judging, remainder)
+    objections = _objections_to(question, compared, judged, measured, remainder)
     apart = _as_judged(judged)
     if objections.contradict:
         apart = _without_causes(judged, objections.rivals)
@@ -174,7 +174,11 @@ def conclude(
 
 
 def _objections_to(
-    question: Question, compared: Compared, judged: Judged, gap: Gap, remainder: Remainder
+    question: Question,
+    compared: Compared,
+    judged: Judged,
+    measured: Measured,
+    remainder: Remainder,
 ) -> Objections:
     """Return the objections of held-out data, other joints and the control loop."""
     model, named = compared.model, judged.named
@@ -182,8 +186,12 @@ def _objections_to(
     rivals = list(chain(*sets_of_one(judged.search.probabilities(), judged.effects_known, named)))
     amounts = amounts_of(model, best)
     others = _other_joints_of(rig)
-    other_joints = looks_like_others(named, rivals, question.examined, others, gap, amounts)
-    held_out = _why_overruled(model, judged, gap, question.practical, remainder) if named else None
+    other_joints = looks_like_others(
+        named, rivals, question.examined, others, measured.gap, amounts
+    )
+    held_out = None
+    if named:
+        held_out = _why_overruled(model, judged, measured, question.practical, remainder)
     acting = model.amplitudes(best.at, best.acting)
     instrument = rig.instrument(acting, model.laws)
     loop = None
@@ -193,19 +201,22 @@ def _objections_to(
 
 
 def _why_overruled(
-    model: LinearModel, judged: Judged, gap: Gap, practical: float, remainder: Remainder
+    model: LinearModel, judged: Judged, measured: Measured, practical: float, remainder: Remainder
 ) -> str | None:
     """Return the rule by which held-out data contradict the causes; None if there is none."""
     beyond: list[str] = []
     if model.data.rigs[0].along_path:
         beyond = implausible(judged.named, model, judged.search, judged.posterior)
-    return why_overruled(
-        gap,
+    why = why_overruled(
+        measured.judging,
         practical,
-        in_remainder=accounts_for_residual(remainder, gap),
+        in_remainder=accounts_for_residual(remainder, measured.judging),
         force_left=remainder.significant,
         implausible=beyond,
     )
+    if why is None or not measured.beside:
+        return why
+    return f"with {' and '.join(measured.beside)} beside, {why}"
 
 
 def _why_no_scatter(
