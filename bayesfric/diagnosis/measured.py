@@ -5,8 +5,10 @@ causes and the data cannot tell which, the causes alone must fail on held-out da
 prediction then contains the most probable of these effects too.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,7 +27,7 @@ from bayesfric.diagnosis.stored import gap_of
 from bayesfric.diagnosis.verdict import sets_of_one
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import NONE, Hypothesis
-from bayesfric.schemas.gap import Gap
+from bayesfric.schemas.gap import Gap, HeldOutDensity
 
 EXPLAINED = (
     "floor_agrees",
@@ -86,46 +88,66 @@ def measure(
     folds, bootstrap, blocks : Generator
         Sources of randomness for folds, for intervals, and for left-out blocks.
     """
-    model, search = compared.model, judged.search
+    own = _HeldOutGap(
+        question, compared, judged, keeping, _densities_of(compared, judged, keeping, blocks)
+    )
     (other_folds,), (other_bootstrap,) = folds.spawn(1), bootstrap.spawn(1)
-    shares = share_of_friction(model, judged.residuals, judged.posterior)
+    held_out, gap, left = own.of("held-out", judged.arms, judged.plain, folds, bootstrap)
+    beside = best_beside(judged)
+    if beside is None:
+        return Measured(held_out, gap, left, gap)
+    arms = arms_with(compared.model, *beside, judged.arms)
+    plain = residuals_of(arms.plain, arms.psi)
+    _, judging, _ = own.of("held-out-beside", arms, plain, other_folds, other_bootstrap)
+    explained = {name: getattr(judging, name) for name in EXPLAINED}
+    added = Hypothesis(beside[1] - set(judged.named))
+    return Measured(held_out, gap.model_copy(update=explained), left, judging, added)
+
+
+def _densities_of(
+    compared: Compared, judged: Judged, keeping: Checkpoint, blocks: np.random.Generator
+) -> Mapping[str, HeldOutDensity | str | None]:
+    """Return the gain in held-out log density by the causes, as fields of the gap."""
     densities = keeping.record(
         "held-out-density",
         BlockDensities | None,
-        lambda: block_densities(model, search, judged.named, blocks),
+        lambda: block_densities(compared.model, judged.search, judged.named, blocks),
     )
     like_clocks = judged.arms.like_clocks(judged.plain)
-    fields = shares | density_of(densities, judged.named, like_clocks=like_clocks)
+    return density_of(densities, judged.named, like_clocks=like_clocks)
 
-    def gap_with(
+
+class _HeldOutGap(NamedTuple):
+    """What the gap on held-out data depends on, except for the effects that predict."""
+
+    question: Question
+    compared: Compared
+    judged: Judged
+    keeping: Checkpoint
+    densities: Mapping[str, HeldOutDensity | str | None]
+
+    def of(
+        self,
+        name: str,
         arms: Arms,
         plain: Residuals,
-        name: str,
         folds: np.random.Generator,
-        rng: np.random.Generator,
+        bootstrap: np.random.Generator,
     ) -> tuple[HeldOut, Gap, Array | None]:
-        held_out = keeping.record(name, HeldOut, lambda: measure_gap(arms, plain, folds))
+        """Return residuals, the gap, and what the effects of the arms leave of its square."""
+        judged, compared = self.judged, self.compared
+        held_out = self.keeping.record(name, HeldOut, lambda: measure_gap(arms, plain, folds))
         gap, left = gap_of(
             held_out,
             judged.posterior,
             judged.residuals,
             arms,
-            question.practical,
-            rng,
+            self.question.practical,
+            bootstrap,
             compared.data.unit,
         )
-        return held_out, gap.model_copy(update=fields), left
-
-    held_out, gap, left = gap_with(judged.arms, judged.plain, "held-out", folds, bootstrap)
-    beside = best_beside(judged)
-    if beside is None:
-        return Measured(held_out, gap, left, gap)
-    arms = arms_with(model, *beside, judged.arms)
-    plain = residuals_of(arms.plain, arms.psi)
-    _, judging, _ = gap_with(arms, plain, "held-out-beside", other_folds, other_bootstrap)
-    explained = {name: getattr(judging, name) for name in EXPLAINED}
-    added = Hypothesis(beside[1] - set(judged.named))
-    return Measured(held_out, gap.model_copy(update=explained), left, judging, added)
+        shares = share_of_friction(compared.model, judged.residuals, judged.posterior)
+        return held_out, gap.model_copy(update={**shares, **self.densities}), left
 
 
 def best_beside(judged: Judged) -> tuple[Weighed, Hypothesis] | None:
