@@ -11,7 +11,7 @@ from bayesfric.diagnosis.causes import causes_of, inclusion_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
 from bayesfric.diagnosis.checking import ignored_scatter_settings
 from bayesfric.diagnosis.compared import Compared
-from bayesfric.diagnosis.concluded import Conclusion, Measured
+from bayesfric.diagnosis.concluded import Conclusion
 from bayesfric.diagnosis.entering import numbers_to_enter
 from bayesfric.diagnosis.examined import examined_effects, no_effects
 from bayesfric.diagnosis.gravity import NOT_APART, by_gravity, gravity_hides_inertia
@@ -20,6 +20,7 @@ from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.instrumental import by_the_instrument, causes_by_the_instrument
 from bayesfric.diagnosis.judging import Judged
 from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs
+from bayesfric.diagnosis.measured import Measured
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.sentence import Statement, sentence_of

@@ -5,29 +5,24 @@ from itertools import chain
 
 import numpy as np
 
-from bayesfric.arrays import Array
-from bayesfric.checkpoint import Checkpoint
 from bayesfric.diagnosis.causes import implausible
 from bayesfric.diagnosis.compared import Compared
-from bayesfric.diagnosis.held_out import HeldOut, measure_gap
-from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.instrumental import why_biased, why_unconfirmed, why_uncorrected
 from bayesfric.diagnosis.judging import Judged
+from bayesfric.diagnosis.measured import Measured
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
 from bayesfric.diagnosis.overruling import (
     Overruled,
     accounts_for_residual,
-    density_of,
     overruled,
     why_beyond_rivals,
     why_overruled,
 )
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.remainder import all_left, remainder_of
-from bayesfric.diagnosis.showing import few_windows, loosely_known, share_of_friction, why_not_shown
-from bayesfric.diagnosis.stored import gap_of
+from bayesfric.diagnosis.showing import few_windows, loosely_known, why_not_shown
 from bayesfric.diagnosis.structure import differs_within_runs, unlike_scatter
 from bayesfric.diagnosis.verdict import Verdict, decide, sets_of_one
 from bayesfric.diagnosis.weighing import Weighed
@@ -37,70 +32,6 @@ from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas.causes import Remainder
 from bayesfric.schemas.gap import Gap
 from bayesfric.schemas.instrument import Instrument
-
-
-@dataclass(frozen=True)
-class Measured:
-    """The gap on held-out data.
-
-    Parameters
-    ----------
-    held_out : HeldOut
-        Residuals without and with the causes, fold by fold.
-    gap : Gap
-        The gap in the form that is stored.
-    left : ndarray or None
-        Draws of the part of the squared gap that the causes leave, if it is of practical size.
-    """
-
-    held_out: HeldOut
-    gap: Gap
-    left: Array | None
-
-
-def measure(
-    question: Question,
-    compared: Compared,
-    judged: Judged,
-    keeping: Checkpoint,
-    folds: np.random.Generator,
-    bootstrap: np.random.Generator,
-    blocks: np.random.Generator,
-) -> Measured:
-    """Return the gap on held-out data, without and with the causes.
-
-    Parameters
-    ----------
-    question : Question
-        The recording and what is asked of it.
-    compared : Compared
-        The hypotheses.
-    judged : Judged
-        Which effects are causes.
-    keeping : Checkpoint
-        Stores the slow steps.
-    folds, bootstrap, blocks : Generator
-        Sources of randomness for folds, for intervals, and for left-out blocks.
-    """
-    arms, plain, residuals = judged.arms, judged.plain, judged.residuals
-    held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, folds))
-    gap, left = gap_of(
-        held_out,
-        judged.posterior,
-        residuals,
-        arms,
-        question.practical,
-        bootstrap,
-        compared.data.unit,
-    )
-    densities = keeping.record(
-        "held-out-density",
-        BlockDensities | None,
-        lambda: block_densities(compared.model, judged.search, judged.named, blocks),
-    )
-    gap = gap.model_copy(update=share_of_friction(compared.model, residuals, judged.posterior))
-    better = density_of(densities, judged.named, like_clocks=arms.like_clocks(plain))
-    return Measured(held_out, gap.model_copy(update=better), left)
 
 
 @dataclass(frozen=True)
@@ -196,7 +127,7 @@ def conclude(
     Parameters
     ----------
     question, compared, judged
-        As of :func:`measure`.
+        As of :func:`~bayesfric.diagnosis.measured.measure`.
     measured : Measured
         The gap on held-out data.
     order : Generator
@@ -205,7 +136,7 @@ def conclude(
     model, practical = compared.model, question.practical
     gap_share = float(np.median(judged.posterior.gap)) / judged.residuals.friction_rms
     remainder = remainder_of(model, judged.search, judged.search.best(), gap_share, measured.left)
-    objections = _objections_to(question, compared, judged, measured.gap, remainder)
+    objections = _objections_to(question, compared, judged, measured, remainder)
     apart = _as_judged(judged)
     if objections.contradict:
         apart = _without_causes(judged, objections.rivals)
@@ -243,7 +174,11 @@ def conclude(
 
 
 def _objections_to(
-    question: Question, compared: Compared, judged: Judged, gap: Gap, remainder: Remainder
+    question: Question,
+    compared: Compared,
+    judged: Judged,
+    measured: Measured,
+    remainder: Remainder,
 ) -> Objections:
     """Return the objections of held-out data, other joints and the control loop."""
     model, named = compared.model, judged.named
@@ -251,8 +186,12 @@ def _objections_to(
     rivals = list(chain(*sets_of_one(judged.search.probabilities(), judged.effects_known, named)))
     amounts = amounts_of(model, best)
     others = _other_joints_of(rig)
-    other_joints = looks_like_others(named, rivals, question.examined, others, gap, amounts)
-    held_out = _why_overruled(model, judged, gap, question.practical, remainder) if named else None
+    other_joints = looks_like_others(
+        named, rivals, question.examined, others, measured.gap, amounts
+    )
+    held_out = None
+    if named:
+        held_out = _why_overruled(model, judged, measured, question.practical, remainder)
     acting = model.amplitudes(best.at, best.acting)
     instrument = rig.instrument(acting, model.laws)
     loop = None
@@ -262,19 +201,22 @@ def _objections_to(
 
 
 def _why_overruled(
-    model: LinearModel, judged: Judged, gap: Gap, practical: float, remainder: Remainder
+    model: LinearModel, judged: Judged, measured: Measured, practical: float, remainder: Remainder
 ) -> str | None:
     """Return the rule by which held-out data contradict the causes; None if there is none."""
     beyond: list[str] = []
     if model.data.rigs[0].along_path:
         beyond = implausible(judged.named, model, judged.search, judged.posterior)
-    return why_overruled(
-        gap,
+    why = why_overruled(
+        measured.judging,
         practical,
-        in_remainder=accounts_for_residual(remainder, gap),
+        in_remainder=accounts_for_residual(remainder, measured.judging),
         force_left=remainder.significant,
         implausible=beyond,
     )
+    if why is None or not measured.beside:
+        return why
+    return f"with {' and '.join(measured.beside)} beside, {why}"
 
 
 def _why_no_scatter(

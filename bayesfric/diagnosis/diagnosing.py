@@ -20,12 +20,13 @@ from bayesfric.diagnosis.answer import Answer, file_of, reported_causes, reporte
 from bayesfric.diagnosis.beyond import too_tight, with_wider_priors
 from bayesfric.diagnosis.checking import checked_diagnosis
 from bayesfric.diagnosis.compared import Compared, compare_hypotheses
-from bayesfric.diagnosis.concluded import conclude, measure
+from bayesfric.diagnosis.concluded import conclude
 from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.diagnosis.held_out_density import least_needed_cause
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.joints import diagnose_joints
 from bayesfric.diagnosis.judging import Judged, judge
+from bayesfric.diagnosis.measured import measure
 from bayesfric.diagnosis.other_joints import model_error_words
 from bayesfric.diagnosis.question import Question, question_of
 from bayesfric.diagnosis.shipped import Shipped

@@ -325,19 +325,37 @@ def _arms(
     shipped: Mapping[str, Coefficients],
 ) -> Arms:
     chosen = search.weighed.get(Hypothesis(named), best)
-    own = [
-        (law, shape)
-        for law, shape in zip(chosen.acting.laws, chosen.acting.shapes, strict=True)
-        if law.effect in named
-    ]
-    laws, shapes = [law for law, _ in own], [shape for _, shape in own]
-    phases = tuple(law for law in chosen.acting.phases if law.effect in named)
     complete = set(shipped) >= set(model.layout.sizes)
     shipped_here = {size: shipped[size] for size in model.layout.sizes if size in shipped}
     without = Arms(
         model, model, psi[: len(model.noise)], Acting(), shipped_here if complete else None
     )
-    return _around_causes(model, laws, shapes, phases, without)
+    return arms_with(model, chosen, named, without)
+
+
+def arms_with(model: LinearModel, weighed: Weighed, names: Collection[str], like: Arms) -> Arms:
+    """Return the law without and with some effects of a hypothesis.
+
+    Parameters
+    ----------
+    model : LinearModel
+        The model in which the hypotheses were compared.
+    weighed : Weighed
+        The hypothesis, with the laws and shapes of its effects.
+    names : collection of str
+        The effects of it that predict.
+    like : Arms
+        Contains the noise parameters and the shipped values.
+    """
+    acting = weighed.acting
+    own = [
+        (law, shape)
+        for law, shape in zip(acting.laws, acting.shapes, strict=True)
+        if law.effect in names
+    ]
+    laws, shapes = [law for law, _ in own], [shape for _, shape in own]
+    phases = tuple(law for law in acting.phases if law.effect in names)
+    return _around_causes(model, laws, shapes, phases, like)
 
 
 def _around_causes(

@@ -246,6 +246,32 @@ def _weigh_beside_best(model: LinearModel, result: Search, steps: Steps) -> None
         how = {"shapes": _shapes_of(best), "forms": FORM_SHARES}
         result.weighed[more] = steps.weigh_in(model, result, more.names, [best.at.psi], **how)
     _weigh_parts(model, result, steps, FORM_SHARES)
+    _weigh_exchanged(model, result, steps)
+
+
+def _weigh_exchanged(model: LinearModel, result: Search, steps: Steps) -> None:
+    """Evaluate the best with one of its effects exchanged for another.
+
+    The first look at a pair is taken at the noise of one of its effects. It may be hundreds of nats
+    too low, and more so for one of two effects that explain the same force. At the noise of the
+    best both look alike.
+    """
+    best = result.best()
+    effects = sorted(members[0] for members in result.classes.members)
+    how = {"shapes": _shapes_of(best), "forms": FORM_SHARES}
+    for name in best.names:
+        part = result.weighed.get(Hypothesis(best.hypothesis - {name}))
+        if part is None or not part.names:  # effects alone were all evaluated
+            continue
+        psi = best.at.psi if part.at.psi.size == best.at.psi.size else part.at.psi
+        joining = _that_may_act(part, effects, result.classes)
+        rough = _extended(model, part, joining, psi, {}, forms=best.forms)
+        level = best.log_evidence - rough.pop(best.hypothesis)
+        least = result.worth(best) - RULES.weighed_within
+        for rival in sorted(rough, key=lambda rival: -rough[rival])[: RULES.tried]:
+            if rival in result.weighed or level + rough[rival] + result.log_prior(rival) < least:
+                continue
+            result.weighed[rival] = steps.weigh_in(model, result, rival.names, [psi], **how)
 
 
 def _with_unknown_force(

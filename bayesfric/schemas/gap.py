@@ -110,7 +110,8 @@ class Gap(Record):
         friction or more.
     floor_agrees: Whether the held-out gap with the causes agrees, up to chance, with the floor and
         the remaining systematic gap together; or both are below half of the practical share of
-        friction.
+        friction. If one of several effects acts beside the causes and the data cannot tell which,
+        the most probable of them predicts too.
     floor_disagreement: How held-out data and the model contradict each other; null if they agree.
     shrink: (before² − after²) / (before² − floor²) of held-out data; null if the gap before is
         above the floor with a probability below 0.95.
@@ -122,7 +123,7 @@ class Gap(Record):
     held_out: Gaps of folds over setups, and of extrapolations [N].
     held_out_log_density: Log density of held-out data, with the causes against the law alone.
     held_out_excess: Rms force that held-out data leave beyond the scatter of friction and the
-        remaining gap; 0 if chance explains it.
+        remaining gap; 0 if chance explains it. The same effects predict as for `floor_agrees`.
     in_sample: Gap on the data of the fit [N].
     trajectory: Gap of held-out trajectories, from the first five events to the end of travel [m].
     trajectory_why: Why there is none.

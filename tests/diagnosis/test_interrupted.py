@@ -9,7 +9,7 @@ from rigs.friction_points import curved, recorded
 
 from bayesfric import checkpoint
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis import compared, concluded, diagnose, diagnosing
+from bayesfric.diagnosis import compared, diagnose, diagnosing, measured
 from bayesfric.results import json_bytes
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
@@ -18,8 +18,8 @@ LONG = {
     "climb": compared,
     "weigh": compared,
     "unknown_force": compared,
-    "measure_gap": concluded,
-    "block_densities": concluded,
+    "measure_gap": measured,
+    "block_densities": measured,
     "where_it_lies": diagnosing,
 }
 """What takes long, and what comes after it."""

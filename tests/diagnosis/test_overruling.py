@@ -9,7 +9,7 @@ from rigs.friction_points import joint, recorded
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis import concluded
+from bayesfric.diagnosis import measured
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.answer import is_named
 from bayesfric.diagnosis.classes import Classes
@@ -248,7 +248,7 @@ def test_a_cause_that_predicts_no_better_is_considered_and_the_verdict_unknown(
     """Blocks that the cause makes more likely by one nat each, ± 3 or ± a third of one."""
     gains = np.ones(9) + np.tile([-1.0, 0.0, 1.0], 3) * 10 / gain
     densities = BlockDensities(np.zeros(9), gains)
-    monkeypatch.setattr(concluded, "block_densities", lambda *_: densities)
+    monkeypatch.setattr(measured, "block_densities", lambda *_: densities)
     summary = bf.diagnose(recorded(tmp_path / "bench", joint(2.0))).summary
     density = summary.gap.held_out_log_density
     assert (density.difference, density.blocks) == (pytest.approx(9.0), 9)
