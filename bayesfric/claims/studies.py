@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.arrays import Array
 from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
-from bayesfric.claims.apart import ApartModel
+from bayesfric.claims.apart import ApartModel, SecondGivenFirst
 from bayesfric.claims.effect_sizes import size_at_edge, suited_effects
 from bayesfric.effects import Effect
 from bayesfric.fitting.drawing import bounded_mode
@@ -68,6 +68,11 @@ class Task(NamedTuple):
     def apart(self) -> bool:
         """Whether two rigs are studied, of which the second may differ from the first."""
         return "+" in self.data
+
+    @property
+    def of_first(self) -> "Task":
+        """The same hypothesis on the data of the first rig alone."""
+        return self._replace(data=self.data.partition("+")[0])
 
 
 class Kept(NamedTuple):
@@ -137,7 +142,7 @@ def study_all(
     Parameters
     ----------
     tasks : list of Task
-        What to study.
+        What to study. A task of two rigs also needs the same task of the first rig.
     data : mapping of str to Data
         By name.
     analysis : Analysis
@@ -164,6 +169,7 @@ def study_all(
     questions = [
         (data[task.data], analysis, task, effects, near.get(task.data, {}))
         for task in sorted(tasks, key=lambda task: _cost(task, effects), reverse=True)
+        if not task.apart
     ]
     studied: dict[Task, Studied] = {}
 
@@ -179,14 +185,18 @@ def study_all(
             running[executor.submit(_study_one, given)] = given
     for future in as_completed(running):
         take(running[future], future.result)
-    return {given[2]: studied[given[2]] for given in questions}
+    for task in (task for task in tasks if task.apart):
+        of_first = studied[task.of_first].theta
+        given = (data[task.data], analysis, task, effects, {})
+        take(given, partial(_study_apart, given, of_first))
+    return {task: studied[task] for task in tasks}
 
 
 def _cost(task: Task, effects: dict[str, Effect]) -> int:
     """Return a rank by expected time: the longest studies are started first."""
     shapes = [effects[name].shape is not None for name, _ in task.hypothesis.effects]
     along = [effects[name].along_path for name, _ in task.hypothesis.effects]
-    return 8 * task.apart + 4 * task.whole + 2 * any(shapes) + any(along)
+    return 4 * task.whole + 2 * any(shapes) + any(along)
 
 
 Given = tuple[Data, Analysis, Task, dict[str, Effect], dict[str, float]]
@@ -217,6 +227,13 @@ def _study_one(given: Given) -> Studied:
     return _study(*given)
 
 
+def _seeds(task: Task, analysis: Analysis) -> tuple[int, int]:
+    """Return the seeds of chains and of proposals, which depend on the task alone."""
+    words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
+    seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
+    return int(seed), int(proposals)
+
+
 def _study(
     data: Data,
     analysis: Analysis,
@@ -224,27 +241,19 @@ def _study(
     effects: dict[str, Effect],
     near: dict[str, float],
 ) -> Studied:
-    # The seed depends on the task, not on the number of studies.
-    words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
-    seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
+    seed, proposals = _seeds(task, analysis)
     effects = suited_effects(data, effects)
     with threadpool_limits(limits=1):
         model = model_of(data, analysis, task.hypothesis, effects)
-        if task.apart:
-            first, second = model.likelihoods
-            model = ApartModel(first, second, analysis.priors)
         try:
-            start = model.start() if task.apart else _start(model, task.hypothesis, effects, near)
-            laplace = bounded_mode(model, start)
+            laplace = bounded_mode(model, _start(model, task.hypothesis, effects, near))
         except NoModeError as error:
             return Studied(None, f"it needs {error}")
-        if task.apart:
-            return _apart(model, laplace, int(seed), int(proposals))
-        weighed = _weighed(model, laplace, int(proposals), POINTS if task.whole else POINTS // 2)
+        weighed = _weighed(model, laplace, proposals, POINTS if task.whole else POINTS // 2)
         if weighed is None:
-            draws = _sampled(model, laplace, int(seed))
+            draws = _sampled(model, laplace, seed)
             try:
-                evidence = bridge_evidence(model.log_posterior, draws, int(proposals))
+                evidence = bridge_evidence(model.log_posterior, draws, proposals)
             except SeparatedModes as error:
                 return Studied(None, str(error))
             z = draws.reshape(-1, draws.shape[-1])
@@ -299,17 +308,39 @@ def _sampled(model: Model, laplace: Laplace, seed: int) -> Array:
     ).z
 
 
-def _apart(model: Model, laplace: Laplace, seed: int, proposals: int) -> Studied:
-    """Draw the relative difference between two rigs; no evidence is computed."""
+def _study_apart(given: Given, of_first: Mapping[str, Array]) -> Studied:
+    """Draw the relative difference between two rigs; no evidence is computed.
+
+    Draws of the first rig's parameters given its own data are weighted by the second rig's data.
+    If these weights are unreliable, all parameters are drawn anew.
+    """
+    data, analysis, task, effects, _ = given
+    seed, proposals = _seeds(task, analysis)
+    with threadpool_limits(limits=1):
+        first, second = model_of(data, analysis, task.hypothesis, effects).likelihoods
+        model = ApartModel(first, second, analysis.priors)
+        z = None
+        if of_first:
+            more = SecondGivenFirst(first, second, analysis.priors)
+            z = more.draws(of_first, proposals, POINTS_APART)
+        if z is None:
+            try:
+                z = _drawn_anew(model, seed, proposals)
+            except NoModeError as error:
+                return Studied(None, f"it needs {error}")
+        if z is None:
+            return Studied(None, "the chains have not converged to one distribution")
+        return Studied(None, "no rival was weighed", model.by_name(model.natural(z)))
+
+
+def _drawn_anew(model: Model, seed: int, proposals: int) -> Array | None:
+    """Draw from the posterior of two rigs, shape (S, D); None if no draws are reliable."""
+    laplace = bounded_mode(model, model.start())
     weighed = _weighed(model, laplace, proposals, POINTS_APART, POINTS_APART)
     if weighed is not None:
-        z = weighed[1]
-    else:
-        draws = _sampled(model, laplace, seed)
-        if not in_one_place(draws):
-            return Studied(None, "the chains have not converged to one distribution")
-        z = draws.reshape(-1, draws.shape[-1])
-    return Studied(None, "no rival was weighed", model.by_name(model.natural(z)))
+        return weighed[1]
+    draws = _sampled(model, laplace, seed)
+    return draws.reshape(-1, draws.shape[-1]) if in_one_place(draws) else None
 
 
 def _start(
