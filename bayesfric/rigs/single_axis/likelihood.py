@@ -16,7 +16,8 @@ a run. The scales of errors and of wander are parameters. Each run is reduced on
 forms, which are tabulated over the ratio of these two scales.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -70,8 +71,7 @@ class AxisModel(ExactModel):
             rows.readings.trial, rows.mean(rows.readings.speed), len(table)
         ) / np.bincount(rows.readings.trial)
         self._count = np.bincount(rows.readings.trial).astype(np.float64)
-        self.noise = _probable_noise(rows)
-        self._tabulate(rows)
+        self._rows = rows
         priors, unit = measures.priors, measures.unit
         assert priors.c1 and priors.c2 and priors.c3
 
@@ -97,7 +97,15 @@ class AxisModel(ExactModel):
             *([offset] if rows.offset_n else []),
         )
 
-    def _tabulate(self, rows: AxisRows) -> None:
+    @cached_property
+    def noise(self) -> tuple[float, float, float, float, float]:
+        """Mode of the noise, see :func:`_probable_noise`; a diagnosis does not need it."""
+        return _probable_noise(self._rows)
+
+    @cached_property
+    def _tabulated(self) -> tuple[Amounts, Callable[[Array], Array]]:
+        """The other forces' amounts, and the quadratic forms of each run over :data:`RATIOS`."""
+        rows = self._rows
         readings = rows.readings
         data = np.stack(
             [
@@ -124,8 +132,8 @@ class AxisModel(ExactModel):
         whole = np.column_stack([uneven, data])
         weighted = solved.times(whole)
         grams = np.stack([whole[i:j].T @ weighted[i:j] for i, j in pairwise(ends)])
-        self._amounts = Amounts.of(integrated(grams, variance)[0].sum(axis=0))
-        data = np.column_stack([uneven, self._amounts.without_modes(data)])
+        amounts = Amounts.of(integrated(grams, variance)[0].sum(axis=0))
+        data = np.column_stack([uneven, amounts.without_modes(data)])
         table = []
         for ratio in RATIOS:
             # Errors have the scale of the mode, and the wander is exp(ratio) in typical units.
@@ -136,7 +144,7 @@ class AxisModel(ExactModel):
             determinants = np.bincount(owner, np.linalg.slogdet(solved.whole)[1], len(self.trials))
             whole = (determinants + uneven_determinant)[:, None]
             table.append(np.concatenate([forms.reshape(len(whole), -1), whole], axis=1))
-        self._table = scipy.interpolate.make_interp_spline(RATIOS, np.stack(table), k=5)
+        return amounts, scipy.interpolate.make_interp_spline(RATIOS, np.stack(table), k=5)
 
     @property
     def _typical(self) -> float:
@@ -164,7 +172,8 @@ class AxisModel(ExactModel):
         rough = np.full_like(theta["mass"], self._rough.coulomb)
         wander = theta["wander"][:, None] * theta.get("coulomb", rough)[:, None]
         ratio = np.log(np.maximum(wander / scale / self._typical, 1e-300))
-        reduced = self._table(np.clip(ratio[:, 0], RATIOS[0], RATIOS[-1]))  # (W, N, 37)
+        amounts, table = self._tabulated
+        reduced = table(np.clip(ratio[:, 0], RATIOS[0], RATIOS[-1]))  # (W, N, 37)
         form = reduced[..., :-1].reshape(*reduced.shape[:2], WIDTH, WIDTH)
         determinant = reduced[..., -1]
         zero = np.zeros_like(theta["mass"])
@@ -178,7 +187,7 @@ class AxisModel(ExactModel):
         beyond, variance = along / stiff, 1 / stiff
         whole = square - along**2 / stiff + determinant + 2 * self._count * np.log(scale)
         density = -0.5 * (whole + (self._count - 1) * LOG_2PI - np.log(variance))
-        density += self._amounts.log_density(left, scale[:, 0])[:, None] / len(self.trials)
+        density += amounts.log_density(left, scale[:, 0])[:, None] / len(self.trials)
         return beyond, variance, density
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
@@ -198,12 +207,15 @@ class AxisModel(ExactModel):
 
     def start(self) -> dict[str, float]:
         """Return rough estimates by parameter, also under the names that a diagnosis uses."""
+        return self.start_of_law() | {"wander": min(max(self.noise[2], 0.002), 0.2)}
+
+    def start_of_law(self) -> dict[str, float]:
+        """Return the rough estimates without that of the wander, which needs a search."""
         rough, size = self._rough, self.scatter.size.sizes[0]
         starts = {
             "mass": rough.mass,
             "coulomb": rough.coulomb,
             "viscous": max(rough.viscous, 1e-3 * rough.coulomb),
-            "wander": min(max(self.noise[2], 0.002), 0.2),
             "row_error": 1.0,
             "latency": 0.0,
             "offset": 0.0,
