@@ -1,10 +1,10 @@
 """Rates of change of a force that acts later than logged, or follows its command with a lag."""
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
+from bayesfric.rigs.single_axis.decay import decaying
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 
@@ -66,5 +66,6 @@ def following(force: Array, steps: float) -> Array:
     """
     kept = np.exp(-1 / steps)
     mean = (1 - kept) * steps  # mean of the decay over one step
-    numbers = [1 - mean, mean - kept], [1.0, -kept]
-    return np.asarray(scipy.signal.lfilter(*numbers, force, zi=mean * force[:1])[0])
+    earlier = np.concatenate([force[:1], force[:-1]])
+    driven = (1 - mean) * force + (mean - kept) * earlier
+    return decaying(driven, float(kept), float(force[0]))
