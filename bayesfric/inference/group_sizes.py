@@ -108,7 +108,8 @@ class _Sizes:
         """Return the inverse covariance of the readings, (q, q)."""
         if self._whitening is None:
             wide = self._design * self.sd
-            self._whitening = np.linalg.inv(np.eye(self._readings.size) + wide @ wide.T)
+            whole = np.eye(self._readings.size) + wide @ wide.T
+            self._whitening = np.asarray(np.linalg.inv(whole), dtype=np.float64)
         return self._whitening
 
     def sweep(self, rng: np.random.Generator) -> None:

@@ -196,10 +196,8 @@ class LoadMotions:
         dampings : sequence of float
             Damping ratios.
         """
-        grids = {(lengths.tobytes(), HEAVY): (lengths, HEAVY)}
-        own, shares = _tried(lengths, ratio)
-        grids[own.tobytes(), shares] = own, shares
-        grid = [(*of, damping) for of in grids.values() for damping in dampings]
+        ratios = (HEAVY[0],) if ratio in HEAVY else (HEAVY[0], ratio)
+        grid = [(*_tried(lengths, heavy), damping) for heavy in ratios for damping in dampings]
         self._simulate("spring", slows, grid)
 
     def _tabulated(
