@@ -102,7 +102,7 @@ class SecondGivenFirst(ApartModel):
 
         def log_density(x: Array, y: Array) -> Array:
             prior_of_first = -0.5 * (LOG_2PI + x**2).sum(axis=1)
-            return self.log_posterior(np.hstack([x, y])) - prior_of_first
+            return np.asarray(self.log_posterior(np.hstack([x, y])) - prior_of_first)
 
         def beside(y: Array, x: Array = centre) -> Array:
             return np.hstack([np.broadcast_to(x, (len(y), count)), y])
