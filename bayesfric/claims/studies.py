@@ -11,31 +11,26 @@ from typing import NamedTuple
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bayesfric.analysis import Analysis, Sampler
+from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
 from bayesfric.claims.apart import ApartModel, SecondGivenFirst
+from bayesfric.claims.drawn import POINTS_APART, SHORT_RUN, drawn_anew, sampled, weighed
 from bayesfric.claims.effect_sizes import size_at_edge, suited_effects
 from bayesfric.effects import Effect
 from bayesfric.fitting.drawing import bounded_mode
-from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
+from bayesfric.fitting.hypothesis import LawWithEffects, model_of
 from bayesfric.fitting.predictive.left_out import leave_setups_out, setup_log_densities
-from bayesfric.inference.evidence.bridge import bridge_evidence, in_one_place
-from bayesfric.inference.evidence.importance import LEAST_FOR_A_MEAN, importance_draws
+from bayesfric.inference.evidence.bridge import bridge_evidence
 from bayesfric.inference.evidence.leave_out import ELPD
 from bayesfric.inference.evidence.record import Evidence, SeparatedModes
-from bayesfric.inference.laplace import Laplace, NoModeError
+from bayesfric.inference.laplace import NoModeError
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
-from bayesfric.inference.proposals import POINTS as FITTED_TO
-from bayesfric.inference.sampling import sample
 from bayesfric.physics.laws import RIVAL_LAWS
 from bayesfric.rigs.data import Data
 
-SHORT_RUN = Sampler(burn=20, steps=60, thin=3, extensions=5)  # extended if it is too short
-WALKERS = 60  # at least: many walkers and few steps are quicker than the other way round
 POINTS = 2000  # of an importance sample; half as many if only the evidence is needed
-POINTS_APART = 4000  # for two rigs that differ: 2000 are too few for 26 parameters
 POINTWISE_DRAWS = 1000
 AMPLITUDES = (-4.0, -3.0, -2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0)
 SHAPES = (-2.0, -1.0, 0.0, 1.0, 2.0)
@@ -161,11 +156,7 @@ def study_all(
     dict of Task to Studied
         Results, which do not depend on the executor.
     """
-    near = {
-        task.data: _mode(data[task.data], analysis, task.hypothesis, effects)
-        for task in tasks
-        if not (task.apart or task.hypothesis.effects or task.hypothesis.law in RIVAL_LAWS)
-    }
+    near = _modes(tasks, data, analysis, effects)
     questions = [
         (data[task.data], analysis, task, effects, near.get(task.data, {}))
         for task in sorted(tasks, key=lambda task: _cost(task, effects), reverse=True)
@@ -185,11 +176,20 @@ def study_all(
             running[executor.submit(_study_one, given)] = given
     for future in as_completed(running):
         take(running[future], future.result)
-    for task in (task for task in tasks if task.apart):
-        of_first = studied[task.of_first].theta
-        given = (data[task.data], analysis, task, effects, {})
-        take(given, partial(_study_apart, given, of_first))
+    for given in [(data[task.data], analysis, task, effects, {}) for task in tasks if task.apart]:
+        take(given, partial(_study_apart, given, studied[given[2].of_first].theta))
     return {task: studied[task] for task in tasks}
+
+
+def _modes(
+    tasks: list[Task], data: Mapping[str, Data], analysis: Analysis, effects: dict[str, Effect]
+) -> dict[str, dict[str, float]]:
+    """Return by name of data the mode of a baseline without effects."""
+    return {
+        task.data: _mode(data[task.data], analysis, task.hypothesis, effects)
+        for task in tasks
+        if not (task.apart or task.hypothesis.effects or task.hypothesis.law in RIVAL_LAWS)
+    }
 
 
 def _cost(task: Task, effects: dict[str, Effect]) -> int:
@@ -249,16 +249,17 @@ def _study(
             laplace = bounded_mode(model, _start(model, task.hypothesis, effects, near))
         except NoModeError as error:
             return Studied(None, f"it needs {error}")
-        weighed = _weighed(model, laplace, proposals, POINTS if task.whole else POINTS // 2)
-        if weighed is None:
-            draws = _sampled(model, laplace, seed)
+        size = POINTS if task.whole else POINTS // 2
+        by_importance = weighed(model, laplace, proposals, size)
+        if by_importance is None:
+            draws = sampled(model, laplace, seed)
             try:
                 evidence = bridge_evidence(model.log_posterior, draws, proposals)
             except SeparatedModes as error:
                 return Studied(None, str(error))
             z = draws.reshape(-1, draws.shape[-1])
         else:
-            evidence, z = weighed
+            evidence, z = by_importance
         if not task.whole:
             return Studied(evidence)
         some = z[np.linspace(0, len(z) - 1, POINTWISE_DRAWS).astype(int)]
@@ -284,30 +285,6 @@ def _study(
     )
 
 
-def _weighed(
-    model: Model, laplace: Laplace, seed: int, size: int, points: int = FITTED_TO
-) -> tuple[Evidence, Array] | None:
-    """Draw by importance sampling; None if the weights have heavy tails."""
-    return importance_draws(
-        model.log_posterior,
-        laplace,
-        seed,
-        chart_of(model),
-        size=size,
-        least_effective=LEAST_FOR_A_MEAN,
-        points=points,
-    )
-
-
-def _sampled(model: Model, laplace: Laplace, seed: int) -> Array:
-    """Draw with ensembles of walkers, shape (ensembles, draws, walkers, D)."""
-    walkers = max(WALKERS, 2 * laplace.mode.size)
-    settings = SHORT_RUN.model_copy(update={"walkers": walkers})
-    return sample(
-        model.log_posterior, laplace, settings, seed, converged=in_one_place, chart=chart_of(model)
-    ).z
-
-
 def _study_apart(given: Given, of_first: Mapping[str, Array]) -> Studied:
     """Draw the relative difference between two rigs; no evidence is computed.
 
@@ -325,22 +302,12 @@ def _study_apart(given: Given, of_first: Mapping[str, Array]) -> Studied:
             z = more.draws(of_first, proposals, POINTS_APART)
         if z is None:
             try:
-                z = _drawn_anew(model, seed, proposals)
+                z = drawn_anew(model, seed, proposals)
             except NoModeError as error:
                 return Studied(None, f"it needs {error}")
         if z is None:
             return Studied(None, "the chains have not converged to one distribution")
         return Studied(None, "no rival was weighed", model.by_name(model.natural(z)))
-
-
-def _drawn_anew(model: Model, seed: int, proposals: int) -> Array | None:
-    """Draw from the posterior of two rigs, shape (S, D); None if no draws are reliable."""
-    laplace = bounded_mode(model, model.start())
-    weighed = _weighed(model, laplace, proposals, POINTS_APART, POINTS_APART)
-    if weighed is not None:
-        return weighed[1]
-    draws = _sampled(model, laplace, seed)
-    return draws.reshape(-1, draws.shape[-1]) if in_one_place(draws) else None
 
 
 def _start(

@@ -92,6 +92,6 @@ def _rough_laws(data: Data, analysis: Analysis, law: FrictionLaw) -> dict[str, C
     """Return starting values of the laws from the rigs' likelihoods, without effects."""
     start: dict[str, float] = {}
     for rig in reversed(data.rigs):
-        start |= rig.likelihood(analysis, law).start_of_law()
+        start |= rig.likelihood(analysis, law).start()
     none = dict.fromkeys(law.without, 0.0)
     return {size: law_of(start, size)._replace(**none) for size in data.sizes}

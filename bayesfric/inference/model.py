@@ -78,9 +78,6 @@ class RigLikelihood(Protocol):
     def start(self) -> dict[str, float]:
         """Return starting values of its parameters."""
 
-    def start_of_law(self) -> dict[str, float]:
-        """Return starting values of the law's coefficients, among others."""
-
     def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return the log density of its raw data, shape (W,)."""
 

@@ -122,13 +122,6 @@ class ExactModel(Protocol):
     def start(self) -> dict[str, float]:
         """Return starting values of :attr:`coefficients` and :attr:`further`."""
 
-    def start_of_law(self) -> dict[str, float]:
-        """Return starting values of :attr:`coefficients`, among others.
-
-        A rig whose other starting values take long returns only those of the law.
-        """
-        return self.start()
-
 
 class ExactLikelihood:
     """The density of the raw data of one rig; see :class:`bayesfric.inference.model.RigLikelihood`.
@@ -237,10 +230,6 @@ class ExactLikelihood:
     def start(self) -> dict[str, float]:
         """Return starting values of all parameters."""
         return self.model.start() | self.model.scatter.start()
-
-    def start_of_law(self) -> dict[str, float]:
-        """Return starting values of the law's coefficients, among others."""
-        return self.model.start_of_law()
 
     def _scattered(self, theta: Mapping[str, Array], shown: Shown) -> _Scattered:
         """Return the density of the measures."""

@@ -155,7 +155,7 @@ def test_a_shape_is_not_followed_again_beside_the_same_shapes(monkeypatch):
         Law("one", "a", tuple(range(13)), tuple(nodes), 0.0),
         Law("other", "b", tuple(range(13, 26)), tuple(nodes), 0.0),
     ]
-    form = quadratic(Normal(sd=1.0), Normal(sd=1.0), precision=precision, slope=slope)
+    form = quadratic(Normal(0.0, 1.0), Normal(0.0, 1.0), precision=precision, slope=slope)
     best = form.choice(laws)
     followed = []
 

@@ -127,12 +127,12 @@ def test_the_gradient_is_that_of_the_evidence(model):
         assert found[place] == pytest.approx((sides[0] - sides[1]) / 2e-4, rel=1e-4, abs=1e-4)
 
 
-def test_a_start_of_the_law_alone_needs_no_search_for_the_noise(trials, monkeypatch):
-    whole = trials.likelihood(Analysis()).start()
+def test_a_start_needs_no_search_for_the_noise(trials, monkeypatch):
+    """A diagnosis needs no more of the likelihood than its start."""
     monkeypatch.setattr(axis_likelihood, "_probable_noise", None)
-    law = trials.likelihood(Analysis()).start_of_law()
-    assert {"mass", "coulomb", "c1[axis]", "c2[axis]", "c3[axis]"} <= law.keys()
-    assert law == {name: whole[name] for name in law}
+    likelihood = trials.likelihood(Analysis())
+    start = likelihood.start()
+    assert start["c2[axis]"] == start["coulomb"] == likelihood.model._rough.coulomb
 
 
 def test_the_likelihood_is_that_of_a_dense_normal(trials):

@@ -226,12 +226,7 @@ class GravityModel(ExactModel):
         wander = dict.fromkeys(
             (parameter.name for parameter in self._wander.parameters), START_WANDER
         )
-        noise = self._rough_noise | wander | self._wander.start()
-        return noise | effects | self.start_of_law()
-
-    def start_of_law(self) -> dict[str, float]:
-        """Return starting values of the law by least squares."""
-        return self._places.rough
+        return self._rough_noise | wander | self._wander.start() | effects | self._places.rough
 
 
 def _blocks(theta: Mapping[str, Array]) -> Iterator[dict[str, Array]]:

@@ -41,6 +41,7 @@ NOTHING = 1e-15  # ridge relative to the largest information, so that all can be
 RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over error
 DECAY = 2.0  # exponent of the spectrum of friction along the path
 SCATTER = HalfNormal(scale=0.05)
+START_WANDER = 0.01  # from which its mode is searched
 FORCE, MASS, COULOMB, VISCOUS, LATENCY, OFFSET = range(6)
 WIDTH = 6  # number of these columns: the force, the law, the clocks and the offset
 
@@ -207,15 +208,12 @@ class AxisModel(ExactModel):
 
     def start(self) -> dict[str, float]:
         """Return rough estimates by parameter, also under the names that a diagnosis uses."""
-        return self.start_of_law() | {"wander": min(max(self.noise[2], 0.002), 0.2)}
-
-    def start_of_law(self) -> dict[str, float]:
-        """Return the rough estimates without that of the wander, which needs a search."""
         rough, size = self._rough, self.scatter.size.sizes[0]
         starts = {
             "mass": rough.mass,
             "coulomb": rough.coulomb,
             "viscous": max(rough.viscous, 1e-3 * rough.coulomb),
+            "wander": START_WANDER,
             "row_error": 1.0,
             "latency": 0.0,
             "offset": 0.0,
@@ -248,7 +246,7 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
     data = np.column_stack([uneven, columns, rows.residual()])
     ends = [*np.flatnonzero(np.diff(readings.trial, prepend=-1)), readings.count]
     every = np.ones(readings.count, dtype=np.bool_)
-    start = np.log([readings.position_sd, 0.01 * friction, 0.01, 0.1 * rows.stroke, 0.01])
+    start = np.log([readings.position_sd, 0.01 * friction, START_WANDER, 0.1 * rows.stroke, 0.01])
     width = np.array([0.5, 2.0, 1.5, 1.0, 1.0])
 
     def loss(z: Array) -> float:
