@@ -187,6 +187,8 @@ class Claim:
             return []
         subject = self.subject(entered)
         names = [subject]
+        if self.beside is not None:  # draws given the first rig's data are used for those of both
+            names.insert(0, Task(subject, entered.claimed).of_first.data)
         if self.by_size:
             names += [name for name in entered.data if name.startswith(f"{subject}/")]
         return [

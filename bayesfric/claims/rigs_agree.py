@@ -51,7 +51,7 @@ def difference_of_conditions(claim: Claim, case: Case) -> Array | Finding:
     """
     if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
-    (task,) = claim.tasks(case.entered)
+    *_, task = claim.tasks(case.entered)
     studied = case.studied[task]
     if not studied.theta:
         return Finding("undecided", f"The posterior could not be drawn: {studied.why}.")
@@ -72,7 +72,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     off = difference_of_conditions(claim, case)
     if isinstance(off, Finding):
         return off
-    (task,) = claim.tasks(case.entered)
+    *_, task = claim.tasks(case.entered)
     studied, rules = case.studied[task], case.analysis.claims
     first, second = case.entered.data[task.data].rigs
     sizes = _conditions(case, task)

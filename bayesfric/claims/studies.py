@@ -11,31 +11,26 @@ from typing import NamedTuple
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bayesfric.analysis import Analysis, Sampler
+from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
-from bayesfric.claims.apart import ApartModel
+from bayesfric.claims.apart import ApartModel, SecondGivenFirst
+from bayesfric.claims.drawn import POINTS_APART, SHORT_RUN, drawn_anew, sampled, weighed
 from bayesfric.claims.effect_sizes import size_at_edge, suited_effects
 from bayesfric.effects import Effect
 from bayesfric.fitting.drawing import bounded_mode
-from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
+from bayesfric.fitting.hypothesis import LawWithEffects, model_of
 from bayesfric.fitting.predictive.left_out import leave_setups_out, setup_log_densities
-from bayesfric.inference.evidence.bridge import bridge_evidence, in_one_place
-from bayesfric.inference.evidence.importance import LEAST_FOR_A_MEAN, importance_draws
+from bayesfric.inference.evidence.bridge import bridge_evidence
 from bayesfric.inference.evidence.leave_out import ELPD
 from bayesfric.inference.evidence.record import Evidence, SeparatedModes
-from bayesfric.inference.laplace import Laplace, NoModeError
+from bayesfric.inference.laplace import NoModeError
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
-from bayesfric.inference.proposals import POINTS as FITTED_TO
-from bayesfric.inference.sampling import sample
 from bayesfric.physics.laws import RIVAL_LAWS
 from bayesfric.rigs.data import Data
 
-SHORT_RUN = Sampler(burn=20, steps=60, thin=3, extensions=5)  # extended if it is too short
-WALKERS = 60  # at least: many walkers and few steps are quicker than the other way round
 POINTS = 2000  # of an importance sample; half as many if only the evidence is needed
-POINTS_APART = 4000  # for two rigs that differ: 2000 are too few for 26 parameters
 POINTWISE_DRAWS = 1000
 AMPLITUDES = (-4.0, -3.0, -2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0)
 SHAPES = (-2.0, -1.0, 0.0, 1.0, 2.0)
@@ -68,6 +63,11 @@ class Task(NamedTuple):
     def apart(self) -> bool:
         """Whether two rigs are studied, of which the second may differ from the first."""
         return "+" in self.data
+
+    @property
+    def of_first(self) -> "Task":
+        """The same hypothesis on the data of the first rig alone."""
+        return self._replace(data=self.data.partition("+")[0])
 
 
 class Kept(NamedTuple):
@@ -137,7 +137,7 @@ def study_all(
     Parameters
     ----------
     tasks : list of Task
-        What to study.
+        What to study. A task of two rigs also needs the same task of the first rig.
     data : mapping of str to Data
         By name.
     analysis : Analysis
@@ -156,14 +156,11 @@ def study_all(
     dict of Task to Studied
         Results, which do not depend on the executor.
     """
-    near = {
-        task.data: _mode(data[task.data], analysis, task.hypothesis, effects)
-        for task in tasks
-        if not (task.apart or task.hypothesis.effects or task.hypothesis.law in RIVAL_LAWS)
-    }
+    near = _modes(tasks, data, analysis, effects)
     questions = [
         (data[task.data], analysis, task, effects, near.get(task.data, {}))
         for task in sorted(tasks, key=lambda task: _cost(task, effects), reverse=True)
+        if not task.apart
     ]
     studied: dict[Task, Studied] = {}
 
@@ -179,14 +176,27 @@ def study_all(
             running[executor.submit(_study_one, given)] = given
     for future in as_completed(running):
         take(running[future], future.result)
-    return {given[2]: studied[given[2]] for given in questions}
+    for given in [(data[task.data], analysis, task, effects, {}) for task in tasks if task.apart]:
+        take(given, partial(_study_apart, given, studied[given[2].of_first].theta))
+    return {task: studied[task] for task in tasks}
+
+
+def _modes(
+    tasks: list[Task], data: Mapping[str, Data], analysis: Analysis, effects: dict[str, Effect]
+) -> dict[str, dict[str, float]]:
+    """Return by name of data the mode of a baseline without effects."""
+    return {
+        task.data: _mode(data[task.data], analysis, task.hypothesis, effects)
+        for task in tasks
+        if not (task.apart or task.hypothesis.effects or task.hypothesis.law in RIVAL_LAWS)
+    }
 
 
 def _cost(task: Task, effects: dict[str, Effect]) -> int:
     """Return a rank by expected time: the longest studies are started first."""
     shapes = [effects[name].shape is not None for name, _ in task.hypothesis.effects]
     along = [effects[name].along_path for name, _ in task.hypothesis.effects]
-    return 8 * task.apart + 4 * task.whole + 2 * any(shapes) + any(along)
+    return 4 * task.whole + 2 * any(shapes) + any(along)
 
 
 Given = tuple[Data, Analysis, Task, dict[str, Effect], dict[str, float]]
@@ -217,6 +227,13 @@ def _study_one(given: Given) -> Studied:
     return _study(*given)
 
 
+def _seeds(task: Task, analysis: Analysis) -> tuple[int, int]:
+    """Return the seeds of chains and of proposals, which depend on the task alone."""
+    words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
+    seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
+    return int(seed), int(proposals)
+
+
 def _study(
     data: Data,
     analysis: Analysis,
@@ -224,32 +241,25 @@ def _study(
     effects: dict[str, Effect],
     near: dict[str, float],
 ) -> Studied:
-    # The seed depends on the task, not on the number of studies.
-    words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
-    seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
+    seed, proposals = _seeds(task, analysis)
     effects = suited_effects(data, effects)
     with threadpool_limits(limits=1):
         model = model_of(data, analysis, task.hypothesis, effects)
-        if task.apart:
-            first, second = model.likelihoods
-            model = ApartModel(first, second, analysis.priors)
         try:
-            start = model.start() if task.apart else _start(model, task.hypothesis, effects, near)
-            laplace = bounded_mode(model, start)
+            laplace = bounded_mode(model, _start(model, task.hypothesis, effects, near))
         except NoModeError as error:
             return Studied(None, f"it needs {error}")
-        if task.apart:
-            return _apart(model, laplace, int(seed), int(proposals))
-        weighed = _weighed(model, laplace, int(proposals), POINTS if task.whole else POINTS // 2)
-        if weighed is None:
-            draws = _sampled(model, laplace, int(seed))
+        size = POINTS if task.whole else POINTS // 2
+        by_importance = weighed(model, laplace, proposals, size)
+        if by_importance is None:
+            draws = sampled(model, laplace, seed)
             try:
-                evidence = bridge_evidence(model.log_posterior, draws, int(proposals))
+                evidence = bridge_evidence(model.log_posterior, draws, proposals)
             except SeparatedModes as error:
                 return Studied(None, str(error))
             z = draws.reshape(-1, draws.shape[-1])
         else:
-            evidence, z = weighed
+            evidence, z = by_importance
         if not task.whole:
             return Studied(evidence)
         some = z[np.linspace(0, len(z) - 1, POINTWISE_DRAWS).astype(int)]
@@ -275,41 +285,29 @@ def _study(
     )
 
 
-def _weighed(
-    model: Model, laplace: Laplace, seed: int, size: int, points: int = FITTED_TO
-) -> tuple[Evidence, Array] | None:
-    """Draw by importance sampling; None if the weights have heavy tails."""
-    return importance_draws(
-        model.log_posterior,
-        laplace,
-        seed,
-        chart_of(model),
-        size=size,
-        least_effective=LEAST_FOR_A_MEAN,
-        points=points,
-    )
+def _study_apart(given: Given, of_first: Mapping[str, Array]) -> Studied:
+    """Draw the relative difference between two rigs; no evidence is computed.
 
-
-def _sampled(model: Model, laplace: Laplace, seed: int) -> Array:
-    """Draw with ensembles of walkers, shape (ensembles, draws, walkers, D)."""
-    walkers = max(WALKERS, 2 * laplace.mode.size)
-    settings = SHORT_RUN.model_copy(update={"walkers": walkers})
-    return sample(
-        model.log_posterior, laplace, settings, seed, converged=in_one_place, chart=chart_of(model)
-    ).z
-
-
-def _apart(model: Model, laplace: Laplace, seed: int, proposals: int) -> Studied:
-    """Draw the relative difference between two rigs; no evidence is computed."""
-    weighed = _weighed(model, laplace, proposals, POINTS_APART, POINTS_APART)
-    if weighed is not None:
-        z = weighed[1]
-    else:
-        draws = _sampled(model, laplace, seed)
-        if not in_one_place(draws):
+    Draws of the first rig's parameters given its own data are weighted by the second rig's data.
+    If these weights are unreliable, all parameters are drawn anew.
+    """
+    data, analysis, task, effects, _ = given
+    seed, proposals = _seeds(task, analysis)
+    with threadpool_limits(limits=1):
+        first, second = model_of(data, analysis, task.hypothesis, effects).likelihoods
+        model = ApartModel(first, second, analysis.priors)
+        z = None
+        if of_first:
+            more = SecondGivenFirst(first, second, analysis.priors)
+            z = more.draws(of_first, proposals, POINTS_APART)
+        if z is None:
+            try:
+                z = drawn_anew(model, seed, proposals)
+            except NoModeError as error:
+                return Studied(None, f"it needs {error}")
+        if z is None:
             return Studied(None, "the chains have not converged to one distribution")
-        z = draws.reshape(-1, draws.shape[-1])
-    return Studied(None, "no rival was weighed", model.by_name(model.natural(z)))
+        return Studied(None, "no rival was weighed", model.by_name(model.natural(z)))
 
 
 def _start(

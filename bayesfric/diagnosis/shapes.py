@@ -238,10 +238,15 @@ class Quadratic:
         shapes = list(start) if start is not None else [0.0] * len(laws)
         free = [place for place, law in enumerate(laws) if law.has_shape]
         gain = 0.0
+        followed: dict[tuple[float, ...], tuple[float, float, float]] = {}
         for _ in range(SWEEPS if len(free) > 1 else 1):
             gain = 0.0
             for place in free:
-                shapes[place], integral, value_there = self.along(laws, shapes, place)
+                # The shapes of the others determine the result.
+                others = place, *shapes[:place], *shapes[place + 1 :]
+                if others not in followed:
+                    followed[others] = self.along(laws, shapes, place)
+                shapes[place], integral, value_there = followed[others]
                 gain += integral - value_there
         at = [np.array([shape]) for shape in shapes]
         value = float(self.values(laws, at, exact=True)[0]) if laws else 0.0

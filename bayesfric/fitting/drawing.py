@@ -76,13 +76,18 @@ def bounded_mode(model: Model, start: Array) -> Laplace:
         laplace = laplace_approximation(model.log_posterior, start, model.scale())
     except NoModeError as error:
         raise NoModeError(SCATTER) from error
+    refuse_vanished(model, laplace.mode)
+    return laplace
+
+
+def refuse_vanished(model: Model, mode: Array) -> None:
+    """Raise NoModeError if a noise is 0 at the mode of a posterior, shape (D,)."""
     vanished = [
         parameter.name
-        for parameter, value in zip(model.parameters, model.natural(laplace.mode), strict=True)
+        for parameter, value in zip(model.parameters, model.natural(mode), strict=True)
         # A parameter of either sign, such as a clock offset, is not a scale that can vanish.
         if parameter.kind == "noise"
         and abs(value) < VANISHED * float(quantile(parameter.prior, 0.5))
     ]
     if vanished:
         raise NoModeError(f"{SCATTER} ({', '.join(vanished)} vanishes)")
-    return laplace

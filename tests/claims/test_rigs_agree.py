@@ -8,11 +8,11 @@ import pytest
 from altered import by_acceleration
 
 from bayesfric.analysis import Analysis, ClaimRules
-from bayesfric.claims import check_claims
-from bayesfric.claims.apart import ApartModel
+from bayesfric.claims import apart, check_claims
+from bayesfric.claims.apart import ApartModel, SecondGivenFirst
 from bayesfric.claims.entered import Entered
 from bayesfric.claims.rigs_agree import agree
-from bayesfric.inference.model import BATCH
+from bayesfric.inference.model import BATCH, Model
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
 
@@ -69,6 +69,29 @@ def test_the_second_rig_s_law_is_the_first_s_times_1_plus_the_difference():
     }
     expected = first.log_likelihood(point) + second.log_likelihood(point | own)
     assert model.log_likelihood(theta) == pytest.approx(expected, rel=1e-14)
+
+
+def test_draws_of_the_first_rig_give_those_of_both(monkeypatch):
+    """The conditional density of both is the density of both over that of the first rig."""
+    recording = two_rigs(1.0)
+    first, second = (
+        rig.likelihood(Analysis()) for rig in Entered.of(recording).data["gravity+motor"].rigs
+    )
+    both = ApartModel(first, second, Analysis().priors)
+    given, alone = SecondGivenFirst(first, second, Analysis().priors), Model((first,))
+    count = len(alone.names)
+    assert given.names[:count] == alone.names
+    z = given.start() + 0.01 * np.random.default_rng(2).standard_normal((3, len(given.names)))
+    asked = []
+
+    def kept(log_density, x, centre, laplace, seed, chart, size):
+        asked.append(log_density(x, z[:, count:]))
+
+    monkeypatch.setattr(apart, "draws_with_more_data", kept)
+    of_first = alone.by_name(alone.natural(z[:, :count]))
+    assert given.draws(of_first, seed=1, size=10) is None
+    expected = both.log_posterior(z) - alone.log_posterior(z[:, :count])
+    assert asked[0] == pytest.approx(expected, rel=1e-9)
 
 
 class Rig:

@@ -143,3 +143,26 @@ def test_combinations_of_laws_at_once_are_each_as_alone():
     ]
     assert at_once == pytest.approx(alone, abs=1e-10)
     assert np.ptp(at_once) > 0.1
+
+
+def test_a_shape_is_not_followed_again_beside_the_same_shapes(monkeypatch):
+    """Two effects that share no data: the best shape of either is the same beside any other."""
+    nodes = np.linspace(-2.4, 2.4, 13)
+    turning = 30.0 * np.cos(0.5 * (nodes[:, None] - nodes))
+    precision = np.kron(np.eye(2), turning)
+    slope = np.concatenate([turning[4], turning[9]])
+    laws = [
+        Law("one", "a", tuple(range(13)), tuple(nodes), 0.0),
+        Law("other", "b", tuple(range(13, 26)), tuple(nodes), 0.0),
+    ]
+    form = quadratic(Normal(0.0, 1.0), Normal(0.0, 1.0), precision=precision, slope=slope)
+    best = form.choice(laws)
+    followed = []
+
+    def along(laws, shapes, which):
+        followed.append(which)
+        return Quadratic.along(form, laws, shapes, which)
+
+    monkeypatch.setattr(form, "along", along)
+    assert form.choice(laws, best.shapes) == best
+    assert followed == [0, 1]

@@ -69,3 +69,19 @@ def test_of_many_paths_some_are_followed_evenly_in_rows_of_their_own():
     thinned = motions.side_by_side("play", 2.0, *tried, 0.05)
     assert np.array_equal(thinned, whole.side_by_side("play", 2.0, *tried, 0.05)[:, rows])
     assert rows.size == sum(path.centres.size for path in paths[::3])
+
+
+def test_springs_of_several_damping_ratios_are_simulated_once_and_are_each_as_alone(monkeypatch):
+    path = next(runs())
+    whole, lengths = np.arange(path.centres.size), {"spring": 0.1 * LENGTHS["spring"]}
+    dampings, ratio = (0.02, 0.06), 0.7
+    together = LoadMotions([path])
+    together.simulate(2.0, lengths["spring"], ratio, dampings)
+    alone = LoadMotions([path])
+    asked = [(damping, heavy) for damping in dampings for heavy in (ratio, 1.0)]
+    expected = [alone.load(whole, 2.0, lengths, d)("spring", heavy, 0.001) for d, heavy in asked]
+    assert not np.allclose(expected[0], expected[2])
+    monkeypatch.setattr(following, "behind", None)  # nothing is simulated again
+    for (damping, heavy), rows in zip(asked, expected, strict=True):
+        kept = together.load(whole, 2.0, lengths, damping)("spring", heavy, 0.001)
+        np.testing.assert_allclose(kept, rows, rtol=1e-12, atol=1e-12 * np.abs(rows).max())

@@ -18,6 +18,7 @@ from bayesfric.effects.candidates import candidates_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
+from bayesfric.rigs.single_axis import likelihood as axis_likelihood
 from bayesfric.rigs.single_axis import limit as limit_module
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import COSINES, map_spectrum
@@ -124,6 +125,14 @@ def test_the_gradient_is_that_of_the_evidence(model):
         step = 1e-4 * np.eye(psi.size)[place]
         sides = [model.evaluate(psi + sign * step, acting).value for sign in (1, -1)]
         assert found[place] == pytest.approx((sides[0] - sides[1]) / 2e-4, rel=1e-4, abs=1e-4)
+
+
+def test_a_start_needs_no_search_for_the_noise(trials, monkeypatch):
+    """A diagnosis needs no more of the likelihood than its start."""
+    monkeypatch.setattr(axis_likelihood, "_probable_noise", None)
+    likelihood = trials.likelihood(Analysis())
+    start = likelihood.start()
+    assert start["c2[axis]"] == start["coulomb"] == likelihood.model._rough.coulomb
 
 
 def test_the_likelihood_is_that_of_a_dense_normal(trials):

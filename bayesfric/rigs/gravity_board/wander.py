@@ -37,13 +37,10 @@ class Wander:
     parameters : tuple of Parameter
         Relative rms and correlation length. Empty if no trial has events, because an acceleration
         does not distinguish variation along a trial from scatter between trials.
-    columns : Columns or None
-        Responses to 1 N of each cosine; None without parameters.
     """
 
     def __init__(self, places: TrialPlaces, analysis: Analysis) -> None:
         self.parameters: tuple[Parameter, ...] = ()
-        self.columns: Columns | None = None
         self._places = places
         if not places.with_events.any():
             return
@@ -57,7 +54,11 @@ class Wander:
             ),
             Parameter("wander_length", "m", priors.wander_length, "scatter"),
         )
-        self.columns = places.wander
+
+    @property
+    def columns(self) -> Columns | None:
+        """Responses to 1 N of each cosine; None without parameters."""
+        return self._places.wander if self.parameters else None
 
     def at_release(
         self, theta: Mapping[str, Array], size: SizeIndex, friction_n: Array

@@ -23,6 +23,7 @@ import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
+from bayesfric.rigs.single_axis.decay import decaying
 from bayesfric.rigs.single_axis.even_log import EvenLog, local_polynomial
 
 TAPS = 4  # samples of a controller's response to a position before it decays geometrically
@@ -51,7 +52,8 @@ def without_answers(log: EvenLog, half: int, limit: float) -> EvenLog:
     answer = _answer(log, errors, wide)
     if answer is None:
         return log
-    answered = scipy.signal.lfilter(answer.numbers, [1.0, -answer.kept], errors)
+    at_once = np.convolve(errors, answer.numbers)[: errors.size]
+    answered = decaying(at_once, answer.kept)
     return replace(log, force=log.force - np.where(np.abs(log.force) < limit, answered, 0.0))
 
 
@@ -143,7 +145,7 @@ def _answered_with(kept: float, position: Array, force: Array, ends: int) -> tup
     squares : float
         Residual sum of squares of the force.
     """
-    filtered = scipy.signal.lfilter([1.0], [1.0, -kept], position)
+    filtered = decaying(position, kept)
     inside = np.arange(max(ends, TAPS - 1), filtered.size - ends)
     columns = np.stack([filtered[inside - lag] for lag in range(TAPS)], axis=1)
     numbers = np.linalg.lstsq(columns, force[inside], rcond=1e-9)[0]

@@ -205,6 +205,11 @@ def local_polynomial(values: Array, half: int, degree: int, *, slope: bool = Fal
     return smoothed
 
 
+def slope_weights(half: int, degree: int) -> Array:
+    """Return the weights of the slope per step in :func:`local_polynomial`, (2 half + 1,)."""
+    return np.asarray(_polynomials(half, degree, slope=True)[half])
+
+
 @lru_cache(maxsize=64)
 def _polynomials(half: int, degree: int, slope: bool) -> Array:
     """Return the matrix from values to a fitted polynomial or its slope, (2 half + 1,) twice."""

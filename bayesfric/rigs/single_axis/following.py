@@ -172,10 +172,7 @@ class LoadMotions:
         """
 
         def load(held: str, heavy: float, length: ArrayLike) -> tuple[Array, Array]:
-            tried: Array = lengths[held]
-            shares: tuple[float, ...] = HEAVY
-            if heavy not in HEAVY:  # the tabulated lengths of another ratio are divided by it
-                tried, shares = tried / heavy, (heavy,)
+            tried, shares = _tried(lengths[held], heavy)
             at = np.interp(float(np.asarray(length)), tried, np.arange(tried.size))
             low = min(int(at), tried.size - 2)
             table = self._tabulated(held, slows, tried, damping, shares)[heavy][:, rows]
@@ -184,17 +181,48 @@ class LoadMotions:
 
         return load
 
+    def simulate(
+        self, slows: float, lengths: Array, ratio: float, dampings: Sequence[float]
+    ) -> None:
+        """Simulate loads on springs of several damping ratios side by side, for :meth:`load`.
+
+        Parameters
+        ----------
+        slows, lengths
+            As of :meth:`load`, the lengths of ``spring``.
+        ratio : float
+            A ratio of mass share to friction share that :meth:`load` will be asked for, beside
+            those of :data:`HEAVY`.
+        dampings : sequence of float
+            Damping ratios.
+        """
+        ratios = (HEAVY[0],) if ratio in HEAVY else (HEAVY[0], ratio)
+        grid = [(*_tried(lengths, heavy), damping) for heavy in ratios for damping in dampings]
+        self._simulate("spring", slows, grid)
+
     def _tabulated(
         self, held: str, slows: float, lengths: Array, damping: float, shares: tuple[float, ...]
     ) -> dict[float, Array]:
         """Return the terms of :meth:`side_by_side` at K lengths for each ratio, (2, W, K)."""
-        key = (held, slows, lengths.tobytes(), damping if held == "spring" else 0.0, shares)
+        key = _key(held, slows, lengths, shares, damping)
         if key not in self._kept:
-            heavy, tried = np.repeat(shares, lengths.size), np.tile(lengths, len(shares))
-            terms = self.side_by_side(held, slows, heavy, tried, damping)
-            parts = np.split(terms, len(shares), axis=2)
-            self._kept[key] = dict(zip(shares, parts, strict=True))
+            self._simulate(held, slows, [(lengths, shares, damping)])
         return self._kept[key]
+
+    def _simulate(
+        self, held: str, slows: float, grid: Sequence[tuple[Array, tuple[float, ...], float]]
+    ) -> None:
+        """Simulate loads of all lengths, ratios and damping ratios of a grid together."""
+        sizes = [len(shares) * lengths.size for lengths, shares, _ in grid]
+        heavy = np.concatenate([np.repeat(shares, lengths.size) for lengths, shares, _ in grid])
+        tried = np.concatenate([np.tile(lengths, len(shares)) for lengths, shares, _ in grid])
+        damped = np.repeat([damping for *_, damping in grid], sizes)
+        terms = self.side_by_side(held, slows, heavy, tried, damped)
+        parts = np.split(terms, np.cumsum(sizes)[:-1], axis=2)
+        for (lengths, shares, damping), part in zip(grid, parts, strict=True):
+            by_share = np.split(part, len(shares), axis=2)
+            key = _key(held, slows, lengths, shares, damping)
+            self._kept[key] = dict(zip(shares, by_share, strict=True))
 
     def side_by_side(
         self, held: str, slows: float, heavy: Array, lengths: Array, damping: ArrayLike
@@ -220,6 +248,18 @@ class LoadMotions:
             for place, path in enumerate(together):
                 rows.append(path.rows(*(part[: path.position.size, place] for part in moved)))
         return np.concatenate(rows, axis=1)
+
+
+def _tried(lengths: Array, heavy: float) -> tuple[Array, tuple[float, ...]]:
+    """Return the lengths, and the ratios, that are tabulated with a ratio."""
+    return (lengths, HEAVY) if heavy in HEAVY else (lengths / heavy, (heavy,))
+
+
+def _key(
+    held: str, slows: float, lengths: Array, shares: tuple[float, ...], damping: float
+) -> tuple[object, ...]:
+    """Return the name of a table of simulated loads; play has no damping."""
+    return held, slows, lengths.tobytes(), damping if held == "spring" else 0.0, shares
 
 
 def _batches(paths: Sequence[DrivePath], loads: int) -> Iterator[list[DrivePath]]:

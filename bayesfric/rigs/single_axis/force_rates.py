@@ -5,7 +5,6 @@ second derivative is computed without the errors of the window's mean force.
 """
 
 import numpy as np
-import scipy
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
@@ -71,8 +70,9 @@ def following(force: Array, steps: float) -> Array:
     """
     kept = np.exp(-1 / steps)
     mean = (1 - kept) * steps  # mean of the decay over one step
-    numbers = [1 - mean, mean - kept], [1.0, -kept]
-    return np.asarray(scipy.signal.lfilter(*numbers, force, zi=mean * force[:1])[0])
+    earlier = np.concatenate([force[:1], force[:-1]])
+    driven = (1 - mean) * force + (mean - kept) * earlier
+    return decaying(driven, float(kept), float(force[0]))
 
 
 BESIDE = 3  # half windows from which the second derivative is estimated

@@ -74,6 +74,9 @@ def with_lengths(
         lengths[held] = best * np.exp(SPREAD * SHAPE_NODES)
     measures = replace(measures, lengths=lengths, untold=frozenset(untold))
     spring = by_held["spring"]
+    rows.readings.load_motions.simulate(
+        measures.slows(rows.readings), lengths["spring"], measures.mass_over_friction, DAMPINGS
+    )
     damped = max(
         (replace(measures, damping=damping) for damping in DAMPINGS),
         key=lambda tried: rows.strongest(spring, lengths["spring"], tried)[0],
@@ -200,9 +203,9 @@ class _Rows(NamedTuple):
         """Return the best load on a spring among all combinations of ratio, length and damping."""
         heavy, near, damped = (values.ravel() for values in np.meshgrid(shares, lengths, dampings))
         mass = self.measures.mass + self.readings.known_inertia
-        friction = self.measures.friction
+        friction, slows = self.measures.friction, self.measures.slows(self.readings)
         moved = self.readings.load_motions.side_by_side(
-            "spring", friction / mass, heavy, near / heavy, damped
+            "spring", slows, heavy, near / heavy, damped
         )
         late, lost = moved[:, self.readings.place[self.inside]]
         reduction = self.reductions(heavy * mass * late + friction * lost, spring)

@@ -16,7 +16,8 @@ a run. The scales of errors and of wander are parameters. Each run is reduced on
 forms, which are tabulated over the ratio of these two scales.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -39,6 +40,7 @@ NOTHING = 1e-15  # ridge relative to the largest information, so that all can be
 RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over error
 DECAY = 2.0  # exponent of the spectrum of friction along the path
 SCATTER = HalfNormal(scale=0.05)
+START_WANDER = 0.01  # from which its mode is searched
 FORCE, MASS, COULOMB, VISCOUS, LATENCY, OFFSET = range(6)
 WIDTH = 6  # number of these columns: the force, the law, the clocks and the offset
 
@@ -68,8 +70,7 @@ class AxisModel(ExactModel):
         trial = rows.readings.trial
         self._count = np.bincount(trial).astype(np.float64)
         self._speed = np.bincount(trial, rows.readings.mean_speed, len(table)) / self._count
-        self.noise = _probable_noise(rows)
-        self._tabulate(rows)
+        self._rows = rows
         priors, unit = measures.priors, measures.unit
         assert priors.c1 and priors.c2 and priors.c3
 
@@ -95,7 +96,15 @@ class AxisModel(ExactModel):
             *([offset] if rows.offset_n else []),
         )
 
-    def _tabulate(self, rows: AxisRows) -> None:
+    @cached_property
+    def noise(self) -> tuple[float, float, float, float, float]:
+        """Mode of the noise, see :func:`_probable_noise`; a diagnosis does not need it."""
+        return _probable_noise(self._rows)
+
+    @cached_property
+    def _tabulated(self) -> tuple[Amounts, Callable[[Array], Array]]:
+        """The other forces' amounts, and the quadratic forms of each run over :data:`RATIOS`."""
+        rows = self._rows
         readings = rows.readings
         clocks_and_offset = readings.force_rate, readings.way
         data = np.column_stack(
@@ -111,8 +120,8 @@ class AxisModel(ExactModel):
         ratio = float(np.log(self.noise[2] * self._rough.coulomb / self._typical))
         solved = pieces.solved(position, force, float(np.exp(ratio)) * self._typical, length)
         grams = solved.grams(np.column_stack([uneven, data]), readings.trial)
-        self._amounts = Amounts.of(integrated(grams, variance)[0].sum(axis=0))
-        data = np.column_stack([uneven, self._amounts.without_modes(data)])
+        amounts = Amounts.of(integrated(grams, variance)[0].sum(axis=0))
+        data = np.column_stack([uneven, amounts.without_modes(data)])
         table = []
         for ratio in RATIOS:
             # Errors have the scale of the mode, and the wander is exp(ratio) in typical units.
@@ -121,7 +130,7 @@ class AxisModel(ExactModel):
             determinants = np.bincount(owner, np.linalg.slogdet(solved.whole)[1], len(self.trials))
             whole = (determinants + uneven_determinant)[:, None]
             table.append(np.concatenate([forms.reshape(len(whole), -1), whole], axis=1))
-        self._table = scipy.interpolate.make_interp_spline(RATIOS, np.stack(table), k=5)
+        return amounts, scipy.interpolate.make_interp_spline(RATIOS, np.stack(table), k=5)
 
     @property
     def _typical(self) -> float:
@@ -149,7 +158,8 @@ class AxisModel(ExactModel):
         rough = np.full_like(theta["mass"], self._rough.coulomb)
         wander = theta["wander"][:, None] * theta.get("coulomb", rough)[:, None]
         ratio = np.log(np.maximum(wander / scale / self._typical, 1e-300))
-        reduced = self._table(np.clip(ratio[:, 0], RATIOS[0], RATIOS[-1]))  # (W, N, 37)
+        amounts, table = self._tabulated
+        reduced = table(np.clip(ratio[:, 0], RATIOS[0], RATIOS[-1]))  # (W, N, 37)
         form = reduced[..., :-1].reshape(*reduced.shape[:2], WIDTH, WIDTH)
         determinant = reduced[..., -1]
         zero = np.zeros_like(theta["mass"])
@@ -163,7 +173,7 @@ class AxisModel(ExactModel):
         beyond, variance = along / stiff, 1 / stiff
         whole = square - along**2 / stiff + determinant + 2 * self._count * np.log(scale)
         density = -0.5 * (whole + (self._count - 1) * LOG_2PI - np.log(variance))
-        density += self._amounts.log_density(left, scale[:, 0])[:, None] / len(self.trials)
+        density += amounts.log_density(left, scale[:, 0])[:, None] / len(self.trials)
         return beyond, variance, density
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
@@ -188,7 +198,7 @@ class AxisModel(ExactModel):
             "mass": rough.mass,
             "coulomb": rough.coulomb,
             "viscous": max(rough.viscous, 1e-3 * rough.coulomb),
-            "wander": min(max(self.noise[2], 0.002), 0.2),
+            "wander": START_WANDER,
             "row_error": 1.0,
             "latency": 0.0,
             "offset": 0.0,
@@ -220,7 +230,7 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
     uneven = friction * map_columns(readings.mean_position)[:, 1:]
     data = np.column_stack([uneven, columns, rows.residual()])
     every = np.ones(readings.count, dtype=np.bool_)
-    start = np.log([readings.position_sd, 0.01 * friction, 0.01, 0.1 * rows.stroke, 0.01])
+    start = np.log([readings.position_sd, 0.01 * friction, START_WANDER, 0.1 * rows.stroke, 0.01])
     width = np.array([0.5, 2.0, 1.5, 1.0, 1.0])
 
     def loss(z: Array) -> float:

@@ -93,8 +93,13 @@ class Measures:
     def load(self, rows: Readings) -> Load:
         """Return a function that gives the motion of a load in the windows `rows`."""
         lengths = {held: self.stroke * shares for held, shares in LENGTHS.items()}
-        slows = self.friction / (self.mass + rows.known_inertia)
-        return rows.load_motions.load(rows.place, slows, {**lengths, **self.lengths}, self.damping)
+        return rows.load_motions.load(
+            rows.place, self.slows(rows), {**lengths, **self.lengths}, self.damping
+        )
+
+    def slows(self, rows: Readings) -> float:
+        """Return the friction of the axis over its mass, in the windows `rows` [m/s²]."""
+        return float(self.friction / (self.mass + rows.known_inertia))
 
     def unit(self, unit: str) -> str:
         """Convert a unit: to radians for a rotary axis, and over K for relative forces."""

@@ -3,10 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from bayesfric.arrays import Array
-from bayesfric.rigs.single_axis.even_log import EvenLog, local_polynomial, position_noise
+from bayesfric.rigs.single_axis.even_log import (
+    EvenLog,
+    local_polynomial,
+    position_noise,
+    slope_weights,
+)
 
 DEGREE = 3  # degree of the smoothing polynomial
 FINE = 0.003  # error of a smoothed speed that is small enough, relative to the top speed
@@ -48,9 +52,9 @@ def path_of(log: EvenLog, time_s: Array | None = None) -> Path:
     largest_half = max(LEAST_HALF, min(round(MOST_S / step), (log.time_s.size - 1) // 2))
     half = LEAST_HALF
     while half < largest_half:
-        kernel = scipy.signal.savgol_coeffs(2 * half + 1, DEGREE, deriv=1, delta=step)
+        error = noise * np.linalg.norm(slope_weights(half, DEGREE)) / step
         velocity = local_polynomial(log.position, half, DEGREE, slope=True) / step
-        if noise * np.linalg.norm(kernel) < FINE * np.abs(velocity).max():
+        if error < FINE * np.abs(velocity).max():
             break
         half = min(largest_half, half + max(1, half // 4))
     position = local_polynomial(log.position, half, DEGREE)
