@@ -33,6 +33,7 @@ from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.rigs.single_axis.beside import Amounts
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import integrated, map_columns, map_spectrum
+from bayesfric.rigs.single_axis.given_force import NEARLY_NONE, force_is_given
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.rows import AxisRows
 
@@ -86,12 +87,15 @@ class AxisModel(ExactModel):
         self.coefficients = tuple(
             number for place, number in of_law.items() if place not in self._lacks
         )
-        self.scatter = ScatterLevels(("tau", "omega"), (SCATTER, SCATTER), size)
+        # Friction that scatters freely would explain a given force without the motion.
+        given = force_is_given(rows.readings)
+        scatter = HalfNormal(scale=NEARLY_NONE[1]) if given else SCATTER
+        self.scatter = ScatterLevels(("tau", "omega"), (scatter, scatter), size)
         offset = Parameter(
             "offset", unit("N"), Normal(mean=0.0, sd=rows.offset_n or 1.0), "noise", power=1.0
         )
         self.further = (
-            Parameter("wander", "1", SCATTER, "scatter", power=0.5),
+            Parameter("wander", "1", scatter, "scatter", power=0.5),
             Parameter("row_error", "1", LogNormal(median=1.0, sd_log=0.3), "noise"),
             Parameter("latency", "s", Normal(mean=0.0, sd=rows.latency_s), "noise", power=1.0),
             *([offset] if rows.offset_n else []),
@@ -236,11 +240,18 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
     data = np.column_stack([uneven, columns, rows.residual()])
     ends = [*np.flatnonzero(np.diff(readings.trial, prepend=-1)), readings.count]
     every = np.ones(readings.count, dtype=np.bool_)
-    start = np.log([readings.position_sd, 0.01 * friction, 0.01, 0.1 * rows.stroke, 0.01])
+    scatter, free = 0.01, 5
+    if force_is_given(readings):  # friction that scatters would explain it without the motion
+        scatter, free = NEARLY_NONE[1], 2
+    start = np.log([readings.position_sd, 0.01 * friction, scatter, 0.1 * rows.stroke, scatter])
     width = np.array([0.5, 2.0, 1.5, 1.0, 1.0])
 
+    def noise_at(z: Array) -> Array:
+        """Return the noise, given the deviations of the free logarithms from the start."""
+        return np.asarray(np.exp(start + width * np.pad(z, (0, start.size - z.size))))
+
     def loss(z: Array) -> float:
-        noise = np.exp(start + width * z)
+        noise = noise_at(z)
         solved = pieces.solved(*noise[:4])
         weighted = solved.times(data)
         grams = np.stack([data[i:j].T @ weighted[i:j] for i, j in pairwise(ends)])
@@ -256,7 +267,7 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
         return 0.5 * float(square + determinant + z @ z)
 
     optimum = scipy.optimize.minimize(
-        loss, np.zeros(5), method="Nelder-Mead", options={"maxfev": 240, "fatol": 0.5}
+        loss, np.zeros(free), method="Nelder-Mead", options={"maxfev": 240, "fatol": 0.5}
     )
-    position, force, wander, length, along = np.exp(start + width * optimum.x)
+    position, force, wander, length, along = noise_at(optimum.x)
     return float(position), float(force), float(wander), float(length), float(along)

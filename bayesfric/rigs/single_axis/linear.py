@@ -23,6 +23,7 @@ from bayesfric.rigs.single_axis.deviations import (
     deviating_columns,
     map_spectrum,
 )
+from bayesfric.rigs.single_axis.given_force import NEARLY_NONE, force_is_given
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import AxisRows
 
@@ -84,7 +85,8 @@ class AxisPart(ColumnsPart):
         self._pieces = Pieces.of(readings, rows.moved_mass, moved, rows.law.viscous)
         # The scatter of a single group cannot be separated from the law.
         is_repeated = bool(1 < self._alike.max() + 1 < len(rows.table))
-        self.noise = _noise(readings, rows.stroke, force, is_repeated, self._longest_s)
+        narrow = force_is_given(readings)
+        self.noise = _noise(readings, rows.stroke, force, is_repeated, narrow, self._longest_s)
 
     def evaluate(
         self,
@@ -230,17 +232,30 @@ class AxisPart(ColumnsPart):
 
 
 def _noise(
-    readings: Readings, stroke: float, friction: float, is_repeated: bool, longest_s: float
+    readings: Readings,
+    stroke: float,
+    friction: float,
+    is_repeated: bool,
+    narrow: bool,
+    longest_s: float,
 ) -> tuple[NoiseParameter, ...]:
     """Return the noise parameters of an axis, with priors in the axis' own scales.
 
     If the error of a force exceeds friction, the scale of its prior is estimated from the samples.
     If no assembly and no run is repeated (`is_repeated` is false), scatter between assemblies
     cannot be separated from scatter between runs and gets a narrow prior: two wide priors on one
-    variance would explain a drift over runs as scatter.
+    variance would explain a drift over runs as scatter. If the force is given (`narrow`), friction
+    that scatters freely would explain it without the motion, so it hardly scatters.
     """
     sd, force = readings.position_sd, max(friction, readings.force_sd)
     wide, along = HalfNormal(scale=0.05), HalfNormal(scale=0.02)
+
+    def scatter(place: int, prior: HalfNormal, start: float, usual: float) -> NoiseParameter:
+        """Return the parameter of a relative scatter of friction."""
+        if narrow:
+            return noise_parameter(NAMES[place], ONCE, NEARLY_NONE[1], NEARLY_NONE, NEARLY_NONE[1])
+        return noise_parameter(NAMES[place], prior, start, SCATTER, usual, scatters=True)
+
     return (
         noise_parameter(NAMES[0], LogNormal(median=sd, sd_log=0.5), sd, (0.1 * sd, 10 * sd), sd),
         noise_parameter(
@@ -250,7 +265,7 @@ def _noise(
             (1e-5 * friction, 10 * force),
             0.01 * friction,
         ),
-        noise_parameter(NAMES[2], along, 0.01, SCATTER, 0.01, scatters=True),
+        scatter(2, along, 0.01, 0.01),
         noise_parameter(
             NAMES[3],
             LogNormal(median=0.1 * stroke, sd_log=0.7),
@@ -258,17 +273,10 @@ def _noise(
             (0.005 * stroke, stroke),
             0.1 * stroke,
         ),
-        noise_parameter(NAMES[4], wide, 0.012, SCATTER, 0.01, scatters=True),
-        noise_parameter(
-            NAMES[5],
-            wide if is_repeated else ONCE,
-            0.012 if is_repeated else 0.001,
-            SCATTER,
-            0.015,
-            scatters=True,
-        ),
-        noise_parameter(NAMES[6], along, 0.01, SCATTER, 0.01, scatters=True),
-        noise_parameter(NAMES[7], along, 0.003, SCATTER, 0.005, scatters=True),
+        scatter(4, wide, 0.012, 0.01),
+        scatter(5, wide, 0.012, 0.015) if is_repeated else scatter(5, ONCE, ONCE.scale, 0.015),
+        scatter(6, along, 0.01, 0.01),
+        scatter(7, along, 0.003, 0.005),
         noise_parameter(
             NAMES[8],
             LogNormal(median=0.1 * stroke, sd_log=0.7),
@@ -277,7 +285,7 @@ def _noise(
             0.1 * stroke,
         ),
         noise_parameter(NAMES[9], LogNormal(median=2.0, sd_log=0.5), 2.0, (0.7, 12.0), 2.0),
-        noise_parameter(NAMES[10], along, 0.003, SCATTER, 0.005, scatters=True),
+        scatter(10, along, 0.003, 0.005),
         noise_parameter(
             NAMES[11],
             LogNormal(median=0.2 * longest_s, sd_log=0.7),

@@ -1,9 +1,10 @@
-"""Detects logs whose force does not contain the joint's friction: a relay, a hand, a wrong sign.
+"""Detects logs whose force does not show the joint's friction: a relay, a hand, a wrong sign.
 
 A controller that sustains a free swing pushes with a constant force along the velocity. Least
 squares then explain the whole force by Coulomb friction, without inertia and weight. If a hand
 moves a joint whose drive only carries the weight, the force depends on position alone, as if there
-were neither inertia nor friction. In both cases the fit is perfect, and wrong. With a wrong sign of
+were neither inertia nor friction. If a constant force spins a joint up, Coulomb friction explains
+this force as well. In these cases the fit is perfect, and wrong. With a wrong sign of
 the force, friction, and often inertia, are estimated below 0, which is impossible.
 """
 
@@ -15,6 +16,7 @@ import numpy as np
 from bayesfric.arrays import Array, Flags
 from bayesfric.inference.clustered import clustered_covariance
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
+from bayesfric.rigs.single_axis.given_force import spins_up
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rough import pull_columns
@@ -42,6 +44,12 @@ RELAY = MovedOtherwise(
     "The force has one size and only follows the sign of the speed. A controller that feeds a free "
     "swing makes such a force, and so would Coulomb friction alone. This log cannot separate them, "
     "so no number of the law is estimated. Record the joint as it follows a path",
+)
+ONE_LEVEL = MovedOtherwise(
+    "the force has one size while the joint spins up, which shows only ratios of the law's numbers",
+    "The force has one size throughout, and the joint spins up to a final speed. This motion shows "
+    "the ratio of viscous friction to inertia, and of the force that is left to inertia, but not "
+    "the three numbers. So no number of the law is estimated. Repeat the run with other forces",
 )
 BY_HAND = MovedOtherwise(
     "the force depends on the position only, and something outside the log moves the joint",
@@ -76,6 +84,8 @@ def moved_otherwise(readings: Readings, measures: Measures, inside: Flags) -> Mo
     force = readings.force
     moved, friction = _law_forces(readings, measures, inside)
     is_one_size = np.std(force) < AXIS_RULES.one_force * abs(float(np.mean(force)))
+    if spins_up(readings):
+        return ONE_LEVEL
     if measures.rotary and is_one_size and readings.swings_alike:
         return RELAY if moved < AXIS_RULES.one_force * measures.force else None
     size = float(np.sqrt(np.mean((readings.drive @ readings.weights) ** 2)))
