@@ -85,7 +85,7 @@ def summarise(
                 uniformity=attributes["uniformity"],
                 assemblies=attributes["assemblies"],
                 coverage=coverage,
-                untold={name: why for rig in data.rigs for name, why in rig.untold.items()},
+                untold=data.untold,
             ),
             *_ignored_settings(analysis, data, model),
         ),

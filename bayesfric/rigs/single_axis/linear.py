@@ -266,34 +266,21 @@ def _noise(
             0.01 * friction,
         ),
         scatter(2, along, 0.01, 0.01),
-        noise_parameter(
-            NAMES[3],
-            LogNormal(median=0.1 * stroke, sd_log=0.7),
-            0.1 * stroke,
-            (0.005 * stroke, stroke),
-            0.1 * stroke,
-        ),
+        _correlation(NAMES[3], 0.1 * stroke, (0.005 * stroke, stroke)),
         scatter(4, wide, 0.012, 0.01),
         scatter(5, wide, 0.012, 0.015) if is_repeated else scatter(5, ONCE, ONCE.scale, 0.015),
         scatter(6, along, 0.01, 0.01),
         scatter(7, along, 0.003, 0.005),
-        noise_parameter(
-            NAMES[8],
-            LogNormal(median=0.1 * stroke, sd_log=0.7),
-            0.1 * stroke,
-            (0.005 * stroke, stroke),
-            0.1 * stroke,
-        ),
+        _correlation(NAMES[8], 0.1 * stroke, (0.005 * stroke, stroke)),
         noise_parameter(NAMES[9], LogNormal(median=2.0, sd_log=0.5), 2.0, (0.7, 12.0), 2.0),
         scatter(10, along, 0.003, 0.005),
-        noise_parameter(
-            NAMES[11],
-            LogNormal(median=0.2 * longest_s, sd_log=0.7),
-            0.2 * longest_s,
-            (0.01 * longest_s, longest_s),
-            0.2 * longest_s,
-        ),
+        _correlation(NAMES[11], 0.2 * longest_s, (0.01 * longest_s, longest_s)),
     )
+
+
+def _correlation(name: str, median: float, bounds: tuple[float, float]) -> NoiseParameter:
+    """Return the parameter of a correlation length, or of a correlation time."""
+    return noise_parameter(name, LogNormal(median=median, sd_log=0.7), median, bounds, median)
 
 
 class LinearAxis(AxisRows):
