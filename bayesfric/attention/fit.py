@@ -66,6 +66,7 @@ def of_fit(
     uniformity: Sequence[Uniformity],
     assemblies: Sequence[AssemblyCheck],
     coverage: Sequence[Coverage],
+    untold: Mapping[str, str],
 ) -> tuple[str, ...]:
     """Return a sentence for every check of a fit that failed.
 
@@ -85,8 +86,11 @@ def of_fit(
         Of assemblies left out, by rig.
     coverage : sequence of Coverage
         Of predictive intervals, by rig.
+    untold : mapping of str to str
+        Coefficients that the recording cannot determine, each with the reason.
     """
     return (
+        *_undetermined(untold),
         *unsettled(convergence, entries),
         *_entered(quality),
         *_sensors(quality.agreement),
@@ -130,6 +134,13 @@ def of_pooled(
         lines = len(fit.attention)
         if lines:
             yield f"Board {name} has {lines} {'remark' if lines == 1 else 'remarks'} of its own fit"
+
+
+def _undetermined(untold: Mapping[str, str]) -> Iterator[str]:
+    """Yield each reason why coefficients cannot be determined, with their names."""
+    for reason in dict.fromkeys(untold.values()):
+        names = [name for name, why in untold.items() if why == reason]
+        yield f"Do not use {', '.join(names)}: {reason}"
 
 
 def _entered(quality: DataQuality) -> Iterator[str]:

@@ -229,7 +229,7 @@ def file_of(answer: Answer, reported: ReportedCauses, attributes: Provenance) ->
         overruled_by=conclusion.objections.held_out or conclusion.objections.loop,
         enter=to_enter,
         enter_why=not_entered,
-        untold={name: reason for rig in data.rigs for name, reason in rig.untold.items()},
+        untold=data.untold,
         scatter=model.noise.named(judged.settled.psi),
         law=law,
         unseparated=unseparated,

@@ -112,7 +112,7 @@ def law_of_diagnosis(
     # Scatter with the pattern of an effect would replace this effect.
     has_model = ARMATURE in model.data.rigs[0].in_simulator
     called = {MASS: ARMATURE if has_model else INERTIA}
-    untold = {name for rig in model.data.rigs for name in rig.untold}
+    untold = model.data.untold
     alone = model.around(model.laws, (), discrepancy=False, scattering=())
     at = climb(alone, psi, Acting())
     numbers = {}

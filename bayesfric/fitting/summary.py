@@ -57,10 +57,8 @@ def summarise(
         Contains the settings of scatter, some of which a rig may ignore.
     data : Data
         Trials that were used.
-    model : Model
-        Of the posterior.
-    draws : Draws
-        As sampled.
+    model, draws
+        The posterior and its draws.
     theta : ndarray, shape (ensembles, draws, walkers, D)
         The draws in the parameters' units.
     chains : ndarray, shape (ensembles, stored draws, D)
@@ -85,6 +83,7 @@ def summarise(
                 uniformity=attributes["uniformity"],
                 assemblies=attributes["assemblies"],
                 coverage=coverage,
+                untold=data.untold,
             ),
             *_ignored_settings(analysis, data, model),
         ),

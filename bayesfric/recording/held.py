@@ -13,6 +13,7 @@ CAUGHT_UP = 1.5  # usual steps by which a position moves after a repeated row
 COUNTS = 3  # least number of encoder counts by which a held position moves at a time
 SENSED = frozenset({"motor", "link", "measured"})  # kinds of force that a sensor measures
 ANSWERS = 0.9  # negative correlation of the changes of force with those of position
+LEVELS = 20  # a force with fewer values is a test signal of steps, each held on purpose
 FEWEST = 10  # least number of new readings for a regular interval
 OTHERS = 20  # least number of other intervals that show the clock of a coarse encoder
 QUIET = 0.5  # mean square change of a held force within readings, relative to that between them
@@ -44,6 +45,20 @@ def held_for(values: Array) -> int:
     off = np.abs(between - rhythm * np.maximum(np.round(between / rhythm), 1))
     steady = (off == 0) if rhythm < 4 else (off <= 1)
     return rhythm if float(np.mean(steady)) >= MOSTLY else 1
+
+
+def has_steps(force: Array) -> bool:
+    """Return whether a force takes few values: steps, a square wave, or a binary sequence.
+
+    Such a test signal holds each value as long as telemetry holds a reading, or longer, and it
+    really acts so.
+
+    Parameters
+    ----------
+    force : ndarray, shape (N,)
+        Of a run.
+    """
+    return np.unique(force).size < LEVELS
 
 
 def stale(position: Array, force: Array) -> Flags:
@@ -90,7 +105,7 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
     position = samples["position_m"].to_numpy(dtype=np.float64)
     force = samples["force_n"].to_numpy(dtype=np.float64)
     position_held = position_held_for(position, force)
-    force_held = held_for(force) if force_is in SENSED else 1
+    force_held = held_for(force) if force_is in SENSED and not has_steps(force) else 1
     answers = answering(position, force) if position_held == 1 else None
     if answers is not None:
         force_held = held_for(force)
@@ -135,7 +150,7 @@ def answering(position: Array, force: Array) -> Array | None:
     position, force : ndarray, shape (N,)
         Of evenly sampled rows.
     """
-    if held_for(force) == 1:
+    if held_for(force) == 1 or has_steps(force):
         return None
     new = np.flatnonzero(renewed(force))
     moved = np.diff(position, prepend=position[0])

@@ -1,5 +1,6 @@
 """The trials of all rigs that are analysed together."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from bayesfric.rigs.base import RigTrials
@@ -26,6 +27,11 @@ class Data:
     def unit(self) -> str:
         """Unit of forces on the first rig."""
         return self.rigs[0].unit
+
+    @property
+    def untold(self) -> Mapping[str, str]:
+        """Coefficients that the data cannot determine, each with the reason."""
+        return {name: reason for rig in self.rigs for name, reason in rig.untold.items()}
 
     def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
         """Return name and unit of each coefficient of a size, from the first rig with this size."""

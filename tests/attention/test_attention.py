@@ -39,6 +39,7 @@ def remarks(**changes):
         "uniformity": (),
         "assemblies": (),
         "coverage": (),
+        "untold": {},
     }
     return of_fit(**(sound | changes))
 
@@ -53,6 +54,11 @@ def sensors(largest_z, disagreeing=()):
 def test_a_sound_fit_has_nothing_that_a_reader_must_know():
     coverage = (Coverage("gravity", 0.9, 0.84, 0.96),)
     assert remarks(quality=quality(sensors(2.9)), coverage=coverage) == ()
+
+
+def test_coefficients_that_the_recording_cannot_determine_are_named_with_the_reason():
+    why = dict.fromkeys(("mass", "coulomb"), "The force has one size throughout")
+    assert remarks(untold=why) == ("Do not use mass, coulomb: The force has one size throughout",)
 
 
 @pytest.mark.parametrize("share", [0.80, 0.98])

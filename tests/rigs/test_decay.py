@@ -6,7 +6,7 @@ import scipy
 
 from bayesfric.rigs.single_axis.decay import decaying
 from bayesfric.rigs.single_axis.even_log import slope_weights
-from bayesfric.rigs.single_axis.late_rates import following
+from bayesfric.rigs.single_axis.force_rates import following
 
 
 @pytest.mark.parametrize("kept", [0.0, 0.4, 0.95])

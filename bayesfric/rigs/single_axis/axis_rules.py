@@ -54,6 +54,10 @@ class AxisRules:
         square [1; axis-windows]
     acceleration_shows: inertia is reported beside a force of position if errors leave at least this
         part of the independent acceleration [1; axis-windows]
+    given_force: the force of each run is given if it varies within runs by less than this part of
+        the force of inertia [1; axis-windows]
+    relaxes: a joint spins up if its speed explains a larger part of the mean square of its
+        acceleration [1; axis-windows]
     one_force: forces along the speed that differ by a smaller part are a single force [1;
         axis-windows]
     no_friction: a joint has friction or inertia if it makes at least this part of the drive force
@@ -114,6 +118,8 @@ class AxisRules:
     pulled: float = 0.02
     like_a_curve: float = 0.05
     acceleration_shows: float = 0.5
+    given_force: float = 0.2
+    relaxes: float = 0.5
     one_force: float = 0.05
     no_friction: float = 0.005
     one_speed: float = 0.05

@@ -9,6 +9,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.rigs.single_axis.decay import decaying
 from bayesfric.rigs.single_axis.even_log import EvenLog, sample_noise
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 

@@ -33,6 +33,7 @@ from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.rigs.single_axis.beside import Amounts
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import integrated, map_columns, map_spectrum
+from bayesfric.rigs.single_axis.given_force import NEARLY_NONE, force_is_given
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.rows import AxisRows
 
@@ -85,12 +86,16 @@ class AxisModel(ExactModel):
         self.coefficients = tuple(
             number for place, number in of_law.items() if place not in self._lacks
         )
-        self.scatter = ScatterLevels(("tau", "omega"), (SCATTER, SCATTER), size)
+        # Friction that scatters freely would explain a given force without the motion.
+        is_given = force_is_given(rows.readings)
+        scatter = HalfNormal(scale=NEARLY_NONE[1]) if is_given else SCATTER
+        self._start_wander = min(START_WANDER, scatter.scale)
+        self.scatter = ScatterLevels(("tau", "omega"), (scatter, scatter), size)
         offset = Parameter(
             "offset", unit("N"), Normal(mean=0.0, sd=rows.offset_n or 1.0), "noise", power=1.0
         )
         self.further = (
-            Parameter("wander", "1", SCATTER, "scatter", power=0.5),
+            Parameter("wander", "1", scatter, "scatter", power=0.5),
             Parameter("row_error", "1", LogNormal(median=1.0, sd_log=0.3), "noise"),
             Parameter("latency", "s", Normal(mean=0.0, sd=rows.latency_s), "noise", power=1.0),
             *([offset] if rows.offset_n else []),
@@ -198,7 +203,7 @@ class AxisModel(ExactModel):
             "mass": rough.mass,
             "coulomb": rough.coulomb,
             "viscous": max(rough.viscous, 1e-3 * rough.coulomb),
-            "wander": START_WANDER,
+            "wander": self._start_wander,
             "row_error": 1.0,
             "latency": 0.0,
             "offset": 0.0,
@@ -230,11 +235,18 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
     uneven = friction * map_columns(readings.mean_position)[:, 1:]
     data = np.column_stack([uneven, columns, rows.residual()])
     every = np.ones(readings.count, dtype=np.bool_)
-    start = np.log([readings.position_sd, 0.01 * friction, START_WANDER, 0.1 * rows.stroke, 0.01])
+    scatter, free = START_WANDER, 5
+    if force_is_given(readings):  # friction that scatters would explain it without the motion
+        scatter, free = NEARLY_NONE[1], 2
+    start = np.log([readings.position_sd, 0.01 * friction, scatter, 0.1 * rows.stroke, scatter])
     width = np.array([0.5, 2.0, 1.5, 1.0, 1.0])
 
+    def noise_at(z: Array) -> Array:
+        """Return the noise, given the deviations of the free logarithms from the start."""
+        return np.asarray(np.exp(start + width * np.pad(z, (0, start.size - z.size))))
+
     def loss(z: Array) -> float:
-        noise = np.exp(start + width * z)
+        noise = noise_at(z)
         solved = pieces.solved(*noise[:4])
         variance = noise[4] ** 2 * map_spectrum(noise[3] / rows.stroke, DECAY)[0]
         forms, determinants = integrated(solved.grams(data, readings.trial), variance)
@@ -248,7 +260,7 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
         return 0.5 * float(square + determinant + z @ z)
 
     optimum = scipy.optimize.minimize(
-        loss, np.zeros(5), method="Nelder-Mead", options={"maxfev": 240, "fatol": 0.5}
+        loss, np.zeros(free), method="Nelder-Mead", options={"maxfev": 240, "fatol": 0.5}
     )
-    position, force, wander, length, along = np.exp(start + width * optimum.x)
+    position, force, wander, length, along = noise_at(optimum.x)
     return float(position), float(force), float(wander), float(length), float(along)

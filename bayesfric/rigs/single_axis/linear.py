@@ -23,6 +23,7 @@ from bayesfric.rigs.single_axis.deviations import (
     deviating_columns,
     map_spectrum,
 )
+from bayesfric.rigs.single_axis.given_force import NEARLY_NONE, force_is_given
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import AxisRows
 
@@ -83,7 +84,8 @@ class AxisPart(ColumnsPart):
         self._pieces = Pieces.of(readings, rows.moved_mass, moved, rows.law.viscous)
         # The scatter of a single group cannot be separated from the law.
         is_repeated = bool(1 < self._alike.max() + 1 < len(rows.table))
-        self.noise = _noise(readings, rows.stroke, force, is_repeated, self._longest_s)
+        is_given = force_is_given(readings)
+        self.noise = _noise(readings, rows.stroke, force, is_repeated, is_given, self._longest_s)
 
     def evaluate(
         self,
@@ -223,20 +225,29 @@ class AxisPart(ColumnsPart):
 
 
 def _noise(
-    readings: Readings, stroke: float, friction: float, is_repeated: bool, longest_s: float
+    readings: Readings,
+    stroke: float,
+    friction: float,
+    is_repeated: bool,
+    is_given: bool,
+    longest_s: float,
 ) -> tuple[NoiseParameter, ...]:
     """Return the noise parameters of an axis, with priors in the axis' own scales.
 
     If the error of a force exceeds friction, the scale of its prior is estimated from the samples.
     If no assembly and no run is repeated (`is_repeated` is false), scatter between assemblies
     cannot be separated from scatter between runs and gets a narrow prior: two wide priors on one
-    variance would explain a drift over runs as scatter.
+    variance would explain a drift over runs as scatter. If the force of each run
+    is given (`is_given`), friction that scatters freely would explain it without the motion.
     """
     sd, force = readings.position_sd, max(friction, readings.force_sd)
-    wide, narrow = HalfNormal(scale=0.05), HalfNormal(scale=0.02)
+    wide, along = HalfNormal(scale=0.05), HalfNormal(scale=0.02)
     force_error = HalfNormal(scale=max(0.1 * friction, readings.force_sd - friction))
 
     def relative(name: str, prior: Prior, start: float, usual: float) -> NoiseParameter:
+        if is_given:
+            least, largest = NEARLY_NONE
+            return noise_parameter(name, ONCE, largest, (least, largest), largest)
         return noise_parameter(name, prior, start, SCATTER, usual, scatters=True)
 
     def length(name: str, usual: float, least: float, largest: float) -> NoiseParameter:
@@ -248,15 +259,15 @@ def _noise(
         noise_parameter(
             NAMES[1], force_error, 0.01 * friction, (1e-5 * friction, 10 * force), 0.01 * friction
         ),
-        relative(NAMES[2], narrow, 0.01, 0.01),
+        relative(NAMES[2], along, 0.01, 0.01),
         length(NAMES[3], 0.1 * stroke, 0.005 * stroke, stroke),
         relative(NAMES[4], wide, 0.012, 0.01),
         relative(NAMES[5], *((wide, 0.012) if is_repeated else (ONCE, 0.001)), 0.015),
-        relative(NAMES[6], narrow, 0.01, 0.01),
-        relative(NAMES[7], narrow, 0.003, 0.005),
+        relative(NAMES[6], along, 0.01, 0.01),
+        relative(NAMES[7], along, 0.003, 0.005),
         length(NAMES[8], 0.1 * stroke, 0.005 * stroke, stroke),
         noise_parameter(NAMES[9], LogNormal(median=2.0, sd_log=0.5), 2.0, (0.7, 12.0), 2.0),
-        relative(NAMES[10], narrow, 0.003, 0.005),
+        relative(NAMES[10], along, 0.003, 0.005),
         length(NAMES[11], 0.2 * longest_s, 0.01 * longest_s, longest_s),
     )
 

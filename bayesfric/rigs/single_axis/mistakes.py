@@ -1,7 +1,7 @@
 """Detects likely mistakes of units, signs or the experiment in the log of an axis.
 
-The force of some logs does not contain the joint's friction: that of a relay, of a hand, or with a
-wrong sign.
+The force of some logs does not show the joint's friction: that of a relay, of a hand, with a wrong
+sign, or if one constant force spins the joint up.
 
 A controller that sustains a free swing pushes with a constant force along the velocity. Least
 squares then explain the whole force by Coulomb friction, without inertia and weight. If a hand
@@ -19,10 +19,12 @@ import numpy as np
 from bayesfric.arrays import Array, Flags
 from bayesfric.inference.clustered import clustered_covariance
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
+from bayesfric.rigs.single_axis.given_force import relaxes
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rough import pull_columns
 
+EXACTLY = 1e-6  # largest relative difference between forces of one constant command
 SURELY = 4.0  # least distance from 0 of an estimate that is certainly negative [standard errors]
 
 
@@ -46,6 +48,12 @@ RELAY = MovedOtherwise(
     "The force has one size and only follows the sign of the speed. A controller that feeds a free "
     "swing makes such a force, and so would Coulomb friction alone. This log cannot separate them, "
     "so no number of the law is estimated. Record the joint as it follows a path",
+)
+ONE_LEVEL = MovedOtherwise(
+    "the force has one size while the joint spins up, which shows only ratios of the law's numbers",
+    "The force has one size throughout, and the joint spins up to a final speed. This motion shows "
+    "the ratio of viscous friction to inertia, and of the force that is left to inertia, but not "
+    "the three numbers. So no number of the law is estimated. Repeat the run with other forces",
 )
 BY_HAND = MovedOtherwise(
     "the force depends on the position only, and something outside the log moves the joint",
@@ -79,9 +87,14 @@ def moved_otherwise(readings: Readings, measures: Measures, inside: Flags) -> Mo
         return BACKWARDS
     force = readings.force
     moved, friction = _law_forces(readings, measures, inside)
-    is_one_size = np.std(force) < AXIS_RULES.one_force * abs(float(np.mean(force)))
+    usual, spread = abs(float(np.mean(force))), float(np.std(force))
+    is_one_size = spread < AXIS_RULES.one_force * usual
+    if is_one_size and relaxes(readings):
+        return ONE_LEVEL
     if measures.rotary and is_one_size and readings.swings_alike:
         return RELAY if moved < AXIS_RULES.one_force * measures.force else None
+    if spread < EXACTLY * usual:
+        return ONE_LEVEL
     size = float(np.sqrt(np.mean((readings.drive @ readings.weights) ** 2)))
     if max(moved, friction) >= AXIS_RULES.no_friction * size:
         return None
