@@ -14,6 +14,7 @@ from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.physics.friction import Coefficients
+from bayesfric.probabilities import two_digits
 
 TOLD_OF_AXES = ("mass", "coulomb")
 LARGEST = 700.0  # largest argument of an exponential [nat]
@@ -92,14 +93,14 @@ def loosely_known(
             error = float(np.sqrt(residuals.weight[mine] @ made**2))
             if error > RULES.friction_loose * residuals.friction_rms:
                 return (
-                    f"{name} is known to ± {sd:.2g} {unit} only, which makes "
-                    f"{error:.2g} {model.data.unit} of force"
+                    f"{name} is known to ± {two_digits(sd)} {unit} only, which makes "
+                    f"{two_digits(error)} {model.data.unit} of force"
                 )
             share = sd / residuals.friction_rms
             if name == "coulomb" and model.data.rigs[0].along_path and share > practical:
                 return (
-                    f"slow motion is all Coulomb friction, which is known to ± {sd:.2g} {unit} "
-                    f"only, {share:.1%} of friction"
+                    f"slow motion is all Coulomb friction, which is known to ± {two_digits(sd)} "
+                    f"{unit} only, {share:.1%} of friction"
                 )
     return None
 
@@ -111,16 +112,11 @@ def window_count(residuals: Residuals) -> str:
 
 def window_words(residuals: Residuals) -> str:
     """Return the number of windows in words, and what each of them averages."""
-    of_trial = np.bincount(residuals.trial)[residuals.trial]
-    places = [
-        words
-        for words, is_there in (
-            ("over a stretch of motion", np.any(of_trial > 1)),
-            ("at a steady point", np.any(of_trial == 1)),
-        )
-        if is_there
-    ]
-    return f"{window_count(residuals)}, each the mean friction {' or '.join(places)}"
+    moves = np.bincount(residuals.trial)[residuals.trial] > 1
+    if not moves.any():
+        return f"{residuals.independent} steady point{'' if residuals.independent == 1 else 's'}"
+    steady = "" if moves.all() else " or at a steady point"
+    return f"{window_count(residuals)}, each the mean friction over a stretch of motion{steady}"
 
 
 def _numbers(residuals: Residuals) -> int:
@@ -155,7 +151,10 @@ def share_of_friction(
         return {"no_share": None}
     unit = model.data.unit
     return {
-        "no_share": f"friction is within its error of zero, {middle:.2g} ± {error:.2g} {unit}",
+        "no_share": (
+            f"friction is within its error of zero, {two_digits(middle)} ± {two_digits(error)} "
+            f"{unit}"
+        ),
         "no_share_why": None,
     }
 

@@ -91,8 +91,8 @@ def off_now(diagnosis: DiagnosisFile) -> str:
     these = "the proposed numbers"
     if is_by_instrument(diagnosis):
         these = "the least-squares numbers, which differ from the proposed ones,"
-    begun = f"Error on held-out data: {now:.2g} {gap.unit} rms{share} with {whose}, "
-    entered = f"{gap.after.q50:.2g} {gap.unit} rms"
+    begun = f"Error on held-out data: {two_digits(now)} {gap.unit} rms{share} with {whose}, "
+    entered = f"{two_digits(gap.after.q50)} {gap.unit} rms"
     lacking = [number.lost_without for number in diagnosis.enter if _has_no_field(number)]
     if not lacking:
         return f"{begun}{entered} with {these.removesuffix(',')}."
@@ -101,7 +101,8 @@ def off_now(diagnosis: DiagnosisFile) -> str:
     # The forces that a simulation lacks are independent of what the law leaves.
     alone = math.hypot(gap.after.q50, *filter(None, lacking))
     return (
-        f"{begun}about {alone:.2g} {gap.unit} rms with {these.removesuffix(',')}, and {entered} if "
+        f"{begun}about {two_digits(alone)} {gap.unit} rms with {these.removesuffix(',')}, and "
+        f"{entered} if "
         "those that no simulator has a field for act as well."
     )
 
@@ -215,9 +216,9 @@ def _lost(lacking: Enter, enter: Sequence[Enter]) -> str:
     """
     force, value = lacking.lost_without or 0.0, lacking.value
     is_itself = _has_no_field(lacking) and math.isclose(force, abs(value.mean), rel_tol=SAME)
-    shown = by_error(force, value.sd) if is_itself else f"{force:.2g}"
+    shown = by_error(force, value.sd) if is_itself else two_digits(force)
     if float(shown) == 0:
-        shown = f"{force:.2g}"
+        shown = two_digits(force)
     words = f"{shown} {_force_unit(enter)} rms"
     coulomb = next((number.value.mean for number in enter if number.parameter == "coulomb"), 0.0)
     share = f"{two_digits(100 * force / coulomb)}% of Coulomb friction" if coulomb > force else ""

@@ -12,6 +12,7 @@ from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.export.digits import by_error
 from bayesfric.export.joints import ExportedJoint
 from bayesfric.files import file_bytes
+from bayesfric.probabilities import two_digits
 from bayesfric.robots.link_inertia import link_inertia, settings_of
 from bayesfric.robots.setting import JointValues, ModelText, model_text
 from bayesfric.schemas.causes import INERTIAS
@@ -316,7 +317,8 @@ def _left(joint: ExportedJoint, model: ModelText, place: str) -> list[str]:
             unit = "N·m" if joint.turns else "N"
             instead = f"; use {number.snippet}.py" if number.snippet is not None else ""
             remarks.append(
-                f"{place}: no field for {name}: {number.lost_without:.2g} {unit} rms are lost"
+                f"{place}: no field for {name}: {two_digits(number.lost_without)} {unit} rms "
+                "are lost"
                 f"{instead}"
             )
     for name, number in joint.numbers.items():

@@ -173,7 +173,8 @@ def _chosen(
         ] or own
         if not own and key is not None and kind in ("command", "velocity"):
             continue  # its joint is unknown
-        belief = (own or candidates)[0]
+        # A force in N·m or N needs no factor, unlike a current.
+        belief = min(own or candidates, key=lambda candidate: candidate.unit in ELECTRIC)
         pattern = belief.column
         if kind != "time" and key is not None and own and len(keys) > 1:
             pattern = _with_place(belief.column, key)

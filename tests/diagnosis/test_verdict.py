@@ -182,7 +182,7 @@ def test_no_gap_says_how_much_was_recorded():
 @pytest.mark.parametrize(
     ("trial", "words"),
     [
-        ([0, 1, 2], "3 windows, each the mean friction at a steady point"),
+        ([0, 1, 2], "3 steady points"),
         ([0, 0, 0], "3 windows, each the mean friction over a stretch of motion"),
         ([0, 0, 1], "3 windows, each the mean friction over a stretch of motion or at a steady "
                     "point"),

@@ -285,6 +285,13 @@ def test_a_word_for_a_force_is_no_part_of_a_joint(tmp_path, force):
     assert tomllib.loads(proposal.toml)["force"]["column"] == "{joint}_" + force
 
 
+def test_a_torque_is_proposed_before_a_current_which_needs_a_factor(tmp_path):
+    rows = [f"{k / 100},{np.sin(k / 9):.4f},{np.cos(k / 9):.4f},{k % 7}.5" for k in range(200)]
+    text = "\n".join(["time_s,pos_rad,current_a,torque_nm", *rows])
+    proposal = proposed(tmp_path, text)
+    assert tomllib.loads(proposal.toml.replace("SAY", "1"))["force"]["column"] == "torque_nm"
+
+
 def test_a_column_that_counts_rows_is_no_force(tmp_path):
     text = "i,time,q,tau\n" + table(",", np.arange(100.0), TIME, ANGLE, CURRENT)
     assert tomllib.loads(proposed(tmp_path, text).toml)["force"]["column"] == "tau"
