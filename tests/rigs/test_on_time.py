@@ -1,6 +1,7 @@
 """A force that stands in the log at another time than the one at which it acted."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from rigs.joints import Joint, recording_of
 from rigs.looped_joint import LoopedJoint
@@ -62,6 +63,29 @@ def test_runs_too_short_for_a_force_to_be_moved_have_it_as_logged():
     samples = LoopedJoint(sampled_hz=200.0, **CLOSED).recording().axis.samples
     (fault,) = AXIS.left_out(recording_of(samples.iloc[:16]))
     assert "and 8 are needed: record it for longer" in fault.expected
+
+
+def pulsed(seconds=16.0, step=0.01, fine=10):
+    """Return samples of a joint that coasts to rest after each pulse of torque."""
+    inertia, coulomb, viscous, place, speed, log = 0.02, 0.4, 0.15, 0.0, 0.0, []
+    for tick in range(int(seconds / step)):
+        time = step * tick
+        force = 1.5 * ((time % 4 < 0.4) - 1.0 * (2 < time % 4 < 2.4))
+        log.append(("a", time, 2e-4 * round(place / 2e-4), force))
+        for _ in range(fine):
+            span = step / fine
+            speed += span * (force - viscous * speed) / inertia
+            speed = np.sign(speed) * max(0.0, abs(speed) - span * coulomb / inertia)
+            place += span * speed
+    return pd.DataFrame(log, columns=["run", "time_s", "position_m", "force_n"])
+
+
+def test_a_shift_by_a_pause_explains_no_pulse():
+    """Shifted by 1.1 s the force was 0 wherever the joint moves, and the log was refused."""
+    runs = AXIS.trials(recording_of(pulsed(), force_is="commanded"))
+    assert runs.late_s == 0.0
+    assert runs._rough.mass == pytest.approx(0.02, rel=0.03)
+    assert runs._rough.coulomb == pytest.approx(0.4, rel=0.03)
 
 
 @pytest.mark.parametrize("late_s", [-1.13, 1.13])

@@ -36,6 +36,7 @@ OF_A_RUN = 0.15  # largest shift that is tried, relative to the shortest run
 STEPS = 40  # shifts that are tried in either direction
 LAGS = 12  # time constants that are tried
 ROWS = 1500  # most windows that are used
+STAYS = 0.5  # least mean square force that a shift leaves in the windows, relative to no shift
 
 
 def margin_s(interval_s: float) -> float:
@@ -130,11 +131,14 @@ class _Squares(NamedTuple):
         Orthonormal basis of the law's columns.
     reach_s : float
         Largest shift that is tried, in either direction [s].
+    square : float
+        Square of the force of all windows without a shift [N²].
     """
 
     means: tuple[tuple[EvenLog, Array, Array, Array, Array], ...]
     basis: Array
     reach_s: float
+    square: float
 
     @classmethod
     def of(cls, logs: Sequence[EvenLog], resolution: float | None) -> "_Squares | None":
@@ -165,7 +169,8 @@ class _Squares(NamedTuple):
         if len(columns) < AXIS_RULES.rows_a_number * columns.shape[1]:
             return None
         width = np.maximum(np.abs(columns).max(axis=0), 1e-300)
-        return cls(tuple(means), np.linalg.qr(columns / width)[0], reach_s)
+        square = float(sum(part["force"] @ part["force"] for part in parts))
+        return cls(tuple(means), np.linalg.qr(columns / width)[0], reach_s, square)
 
     def delayed(self, late_s: float) -> float:
         """Return the residual squares if the force acts later than logged by `late_s`."""
@@ -188,6 +193,9 @@ class _Squares(NamedTuple):
                 for mean, (*_, way, modelled) in zip(forces, self.means, strict=True)
             ]
         )
+        # Between pulses the force is 0. A shift by a pause would leave nothing to be explained.
+        if float(force @ force) < STAYS * self.square:
+            return np.inf
         residual = force - self.basis @ (self.basis.T @ force)
         return float(residual @ residual)
 
