@@ -37,6 +37,7 @@ MEANT = {
     "offset": "offset (a constant force, as of a sensor's zero)",
 }
 """Explanations of numbers with names that do not explain themselves."""
+NEGLIGIBLE = 1e-3  # smallest lost force that is given in digits, relative to Coulomb friction
 SAME = 1e-6  # relative difference of forces below which they are equal
 NOT_BELOW_ZERO = {"inertia", "armature", "mass", "coulomb", "viscous"}
 
@@ -215,12 +216,14 @@ def _lost(lacking: Enter, enter: Sequence[Enter]) -> str:
     If the number itself is this force, it has the digits of its value, unless these leave only 0.
     """
     force, value = lacking.lost_without or 0.0, lacking.value
+    coulomb = next((number.value.mean for number in enter if number.parameter == "coulomb"), 0.0)
+    if force < NEGLIGIBLE * coulomb:
+        return f"less than {NEGLIGIBLE:.1%} of Coulomb friction"
     is_itself = _has_no_field(lacking) and math.isclose(force, abs(value.mean), rel_tol=SAME)
     shown = by_error(force, value.sd) if is_itself else two_digits(force)
     if float(shown) == 0:
         shown = two_digits(force)
     words = f"{shown} {_force_unit(enter)} rms"
-    coulomb = next((number.value.mean for number in enter if number.parameter == "coulomb"), 0.0)
     share = f"{two_digits(100 * force / coulomb)}% of Coulomb friction" if coulomb > force else ""
     return f"{words} ({share})" if share else words
 

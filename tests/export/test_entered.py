@@ -202,6 +202,12 @@ def test_a_lost_force_is_not_printed_as_nothing():
     assert "A simulation without it is off by 0.24 N·m rms." in next(entered_remarks([vague]))
 
 
+def test_a_negligible_lost_force_has_no_digits():
+    small = number("offset", 0.00003, 0.002, lost_without=0.00003)
+    said = list(entered_remarks([COULOMB, small]))[-1]
+    assert said.endswith("A simulation without it is off by less than 0.1% of Coulomb friction.")
+
+
 def test_an_offset_has_the_same_digits_wherever_it_stands():
     """Its mean stands at the table, in the sentence and among the joints; the median nowhere."""
     skewed = number("offset", -0.00094, 0.002, lost_without=0.00094)
