@@ -1,4 +1,4 @@
-"""Thirty kinds of recording, each odd in one way and drawn at random in all others."""
+"""Thirty-one kinds of recording, each odd in one way and drawn at random in all others."""
 
 from dataclasses import replace
 
@@ -76,6 +76,7 @@ KINDS = {
         st.builds(lambda plan, names: replace(plan, names=names), DRIVE_PLANS, NAMES)
     ),
     "drive beside points": st.tuples(DRIVE_PLANS, POINT_PLANS),
+    "drive spun up by one force a run": odd(DRIVE_PLANS, motion="spins up", runs=5),
 }
 """Plans by what is odd about them."""
 

@@ -196,13 +196,16 @@ class Drive:
 
     def _run(self, name, rng):
         time = np.arange(self.samples) / self.sampled_hz
-        position, speed, acceleration = self._path(time, rng)
+        level = rng.uniform(0.5, 1.5)  # of the force of a run that spins the joint up
+        position, speed, acceleration = self._path(time, level, rng)
         force = 0.3 * np.sign(speed) + 0.1 * speed / max(np.abs(speed).max(), 1e-300)
         force += 0.5 * acceleration / max(np.abs(acceleration).max(), 1e-300)
         force += self.gravity * np.sin(position)
         force = self.size * (force + self.noise * rng.standard_normal(time.size))
         if self.force == "constant":
             force = np.full(time.size, self.size)
+        elif self.motion == "spins up":
+            force = np.full(time.size, level * self.size)
         elif self.force == "none":
             force = np.zeros(time.size)
         place = self.offset + self.resolution * np.round(position / self.resolution)
@@ -226,13 +229,16 @@ class Drive:
         kept[: min(2, time.size)] = True
         return pd.DataFrame(table)[kept]
 
-    def _path(self, time, rng):
+    def _path(self, time, level, rng):
         if self.motion == "still":
             return np.zeros((3, time.size))
         if self.motion == "noise":
             return self.stroke * rng.standard_normal((3, time.size))
         whole = max(time[-1], 1e-9) if time.size else 1.0
         rate = np.pi * self.passes / whole
+        if self.motion == "spins up":
+            final, decay = self.stroke * (level - 0.3), np.exp(-rate * time)
+            return final * (time - (1 - decay) / rate), final * (1 - decay), final * rate * decay
         if self.motion == "one way":
             speed = self.stroke / whole * (1 + 0.3 * np.sin(rate * time))
             return (

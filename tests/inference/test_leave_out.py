@@ -175,6 +175,10 @@ def test_ratio_of_two_normals_and_its_error():
     assert 0.75 < np.sqrt(np.mean(np.square(off))) < 1.3
 
 
+def test_densities_that_do_not_overlap_have_an_infinite_error():
+    assert bridge_ratio(np.full(100, 2000.0), np.full(100, -2000.0))[1] == np.inf
+
+
 def test_few_draws_allow_less_of_the_weights(case):
     log_likelihood = case.log_likelihood()
     assert elpd(log_likelihood).limit_k == 0.7

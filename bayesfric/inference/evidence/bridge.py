@@ -94,7 +94,7 @@ def bridge_ratio(at_first: Array, at_second: Array) -> tuple[float, float]:
     -------
     log_ratio, error : float
         Log of the ratio of the first to the second integral, and its standard error [nat]. The
-        error is large if the two densities hardly overlap.
+        error is large if the two densities hardly overlap, and infinite if they do not.
 
     References
     ----------
@@ -103,6 +103,8 @@ def bridge_ratio(at_first: Array, at_second: Array) -> tuple[float, float]:
     """
     log_ratio, of_first, of_second = _stand(at_first, at_second, float(at_first.size))
     parts = (of_first, of_second)
+    if not (of_first.any() and of_second.any()):  # no draw of one density is inside the other
+        return log_ratio, np.inf
     variance = sum(part.var() / part.mean() ** 2 / part.size for part in parts)
     return log_ratio, float(np.sqrt(variance))
 

@@ -169,15 +169,23 @@ class _Squares(NamedTuple):
         if len(columns) < AXIS_RULES.rows_a_number * columns.shape[1]:
             return None
         width = np.maximum(np.abs(columns).max(axis=0), 1e-300)
-        square = float(sum(part["force"] @ part["force"] for part in parts))
+        unshifted = [_mean_at(log.force, value, centre) for log, value, centre, _, _ in means]
+        square = _square(unshifted, means)
         return cls(tuple(means), np.linalg.qr(columns / width)[0], reach_s, square)
 
     def delayed(self, late_s: float) -> float:
-        """Return the residual squares if the force acts later than logged by `late_s`."""
-        return self._left(
+        """Return the residual squares if the force acts later than logged by `late_s`.
+
+        Between pulses the force is 0. A shift by a pause would leave nothing to be explained, so
+        the squares are infinite if a shift moves most of the force out of the windows.
+        """
+        forces = [
             _mean_at(log.force, value, centre - late_s / log.interval_s)
             for log, value, centre, _, _ in self.means
-        )
+        ]
+        if _square(forces, self.means) < STAYS * self.square:
+            return np.inf
+        return self._left(forces)
 
     def lagging(self, time_s: float) -> float:
         """Return the residual squares if the drive follows with a time constant."""
@@ -193,11 +201,16 @@ class _Squares(NamedTuple):
                 for mean, (*_, way, modelled) in zip(forces, self.means, strict=True)
             ]
         )
-        # Between pulses the force is 0. A shift by a pause would leave nothing to be explained.
-        if float(force @ force) < STAYS * self.square:
-            return np.inf
         residual = force - self.basis @ (self.basis.T @ force)
         return float(residual @ residual)
+
+
+def _square(
+    forces: Iterable[Array], means: Iterable[tuple[EvenLog, Array, Array, Array, Array]]
+) -> float:
+    """Return the square of the force that is to be explained in all windows [N²]."""
+    parts = zip(forces, means, strict=True)
+    return sum(float(np.sum((mean - modelled) ** 2)) for mean, (*_, modelled) in parts)
 
 
 LAW = ("centre", "way", "force", "acceleration", "speed", "position", "beside")
